@@ -1,0 +1,29 @@
+"""
+Exact modal response of an aircraft rolling over a runway profile.
+
+Any consistent unit system; the report's is lbf, in, s. See `simulate`.
+"""
+
+from ._core import InputError, NumericalError
+from .aircraft import Aircraft, Gear, equivalent_stiffness, f4e, single_dof
+from .modes import Modes
+from .profile import Profile
+from .response import Extremes, Response
+from .simulate import simulate
+from .units import knots
+
+__all__ = [
+    "Aircraft",
+    "Extremes",
+    "Gear",
+    "InputError",
+    "Modes",
+    "NumericalError",
+    "Profile",
+    "Response",
+    "equivalent_stiffness",
+    "f4e",
+    "knots",
+    "simulate",
+    "single_dof",
+]

@@ -1,0 +1,158 @@
+"""Natural and measured modes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _core
+from ._core import InputError
+from ._input import array, read_only
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from .aircraft import Aircraft
+
+
+class Modes:
+    """
+    Modes of an aircraft: frequencies, damping ratios and shapes (Eqs. 6-11).
+
+    `Aircraft.modes` computes an aircraft's own. This constructor takes measured ones, as many
+    as were measured. Response then follows from Eq. 12 with these modes and the aircraft's gear
+    stiffnesses, and loads from Eq. 21.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        The aircraft they were measured on.
+    omega : array_like, shape (m,)
+        Circular frequencies [rad/s].
+    damping_ratio : float or array_like, shape (m,)
+        Damping ratios, ≥ 0 [-].
+    shapes : array_like, shape (3, m)
+        Mode shapes {bounce, pitch, roll}, one a column, orthonormal with respect to the mass
+        matrix (Eq. 7) within 5e-3 a term: three printed digits suffice.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, shapes disagree or the shapes are not orthonormal.
+
+    Notes
+    -----
+    Measured frequencies that do not belong to the gear stiffnesses, or fewer modes than the
+    aircraft has, do not follow a rise of the runway to the full static height: loads are right
+    about the elevations on which the run starts. `Aircraft.with_stiffness` makes the two agree.
+
+    Examples
+    --------
+    The bounce mode of the report's Table 3, as printed:
+
+    >>> import runway_modal as rm
+    >>> shape = [[0.078743], [-0.000226], [0.0]]
+    >>> bounce = rm.Modes(rm.f4e("static"), omega=[12.016], damping_ratio=0.01, shapes=shape)
+    >>> bounce.frequency_hz.round(2)
+    array([1.91])
+    """
+
+    __slots__ = ("_core", "_rebuild", "aircraft", "damping_ratio", "omega", "shapes")
+
+    #: The aircraft.
+    aircraft: Aircraft
+    #: Circular frequencies, shape (m,) [rad/s]; ascending for an aircraft's own modes.
+    omega: NDArray[np.float64]
+    #: Damping ratios, shape (m,) [-].
+    damping_ratio: NDArray[np.float64]
+    #: Mode shapes, shape (3, m): rows bounce, pitch, roll; ΦᵀMΦ = I (Eq. 7).
+    shapes: NDArray[np.float64]
+    _core: _core.Modes
+    _rebuild: tuple[Callable[..., Modes], tuple[Any, ...]]
+
+    def __init__(
+        self,
+        aircraft: Aircraft,
+        omega: ArrayLike,
+        damping_ratio: ArrayLike,
+        shapes: ArrayLike,
+    ) -> None:
+        omega = array("omega", omega)
+        ratio = np.asanyarray(damping_ratio)
+        if ratio.ndim == 0:
+            ratio = np.full(omega.shape, array("damping_ratio", ratio, ndim=0))
+        ratio = array("damping_ratio", ratio)
+        shapes = array("shapes", shapes, ndim=2)
+        if shapes.shape != (3, omega.size):
+            raise InputError(
+                f"shapes has shape {shapes.shape}, (3, {omega.size}) expected: bounce, pitch and "
+                "roll of each mode"
+            )
+        core = _core.Modes.measured(aircraft._core, omega, ratio, shapes)
+        self._fill(aircraft, core, (Modes, (aircraft, omega, ratio, shapes)))
+
+    @classmethod
+    def _natural(cls, aircraft: Aircraft, damping_ratio: ArrayLike | None) -> Modes:
+        ratio = None
+        if damping_ratio is not None:
+            given = np.asanyarray(damping_ratio)
+            ratio = array("damping_ratio", given.reshape(1) if given.ndim == 0 else given)
+            # One number stands for all modes; an array says each.
+            if given.ndim == 1 and given.size == 1 and np.linalg.matrix_rank(aircraft.geometry) > 1:
+                raise InputError("damping_ratio has 1 entry, one a mode expected; pass a number for all")
+        modes = cls.__new__(cls)
+        core = _core.Modes.natural(aircraft._core, ratio)
+        modes._fill(aircraft, core, (cls._natural, (aircraft, ratio)))
+        return modes
+
+    def _fill(
+        self,
+        aircraft: Aircraft,
+        core: _core.Modes,
+        rebuild: tuple[Callable[..., Modes], tuple[Any, ...]],
+    ) -> None:
+        self.aircraft = aircraft
+        self._core = core
+        self._rebuild = rebuild
+        self.omega = read_only(core.omega())
+        self.damping_ratio = read_only(core.damping_ratio())
+        self.shapes = read_only(core.shapes())
+
+    @property
+    def frequency_hz(self) -> NDArray[np.float64]:
+        """Undamped natural frequencies ω/2π, shape (m,) [Hz]."""
+        return self.omega / (2.0 * np.pi)
+
+    @property
+    def node(self) -> NDArray[np.float64]:
+        """
+        Where on the centreline each mode stands still, shape (m,) [length].
+
+        Forward of the centre of gravity. Infinite for pure bounce, NaN for a mode that leaves
+        the whole centreline at rest (roll).
+        """
+        return self._core.node()
+
+    @property
+    def damping_coupling(self) -> NDArray[np.float64]:
+        """
+        What is neglected with the off-diagonal damping terms (Eq. 9), shape (m, m) [-].
+
+        ``|C_ij| / sqrt(C_ii C_jj)`` with C the gears' damping in modal coordinates; 0 on the
+        diagonal, which is kept, and where a mode has no damper.
+        """
+        return self._core.damping_coupling()
+
+    def __reduce__(self) -> tuple[Callable[..., Modes], tuple[Any, ...]]:
+        """Pickle by what the modes were made of."""
+        return self._rebuild
+
+    def __repr__(self) -> str:
+        """Frequencies and damping ratios."""
+        listing = ", ".join(
+            f"{f:.4g} Hz ζ={z:.3g}" for f, z in zip(self.frequency_hz, self.damping_ratio, strict=True)
+        )
+        return f"<Modes: {listing}>"

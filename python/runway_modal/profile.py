@@ -1,0 +1,434 @@
+"""Piecewise-linear runway profiles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from . import _core
+from ._core import InputError
+from ._input import array, number
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+
+class Profile:
+    """
+    Elevation of a runway against station, as straight lines between breakpoints.
+
+    The runway is level before the first breakpoint and after the last. A repeated station
+    is a vertical step. One point is a level runway. Profiles never change: every operation
+    gives a new one.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+        Stations of the breakpoints, never decreasing [length].
+    z : array_like, shape (n,)
+        Elevations, positive up [length].
+
+    Raises
+    ------
+    InputError
+        If the arrays differ in length or are empty, a value is not finite, a station
+        decreases, or a slope leaves the range of double precision.
+
+    Notes
+    -----
+    The profile of the report's Section III.3 and Figure 2.
+
+    Examples
+    --------
+    >>> import runway_modal as rm
+    >>> ramp = rm.Profile([0, 100], [0, 2.5])
+    >>> ramp.elevation([-10, 50, 200])
+    array([0.  , 1.25, 2.5 ])
+    """
+
+    __slots__ = ("_core",)
+    _core: _core.Profile
+
+    def __init__(self, x: ArrayLike, z: ArrayLike) -> None:
+        self._core = _core.Profile(array("x", x), array("z", z))
+
+    @classmethod
+    def _wrap(cls, core: _core.Profile) -> Profile:
+        profile = cls.__new__(cls)
+        profile._core = core
+        return profile
+
+    @property
+    def x(self) -> NDArray[np.float64]:
+        """Stations of the breakpoints, shape (n,) [length]; read-only."""
+        return self._core.x()
+
+    @property
+    def z(self) -> NDArray[np.float64]:
+        """Elevations of the breakpoints, shape (n,) [length]; read-only."""
+        return self._core.z()
+
+    def elevation(self, stations: ArrayLike) -> NDArray[np.float64]:
+        """
+        Elevation at stations; at a vertical step, after it.
+
+        Parameters
+        ----------
+        stations : array_like, shape (k,)
+            Where to look [length].
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Elevations [length].
+
+        Raises
+        ------
+        InputError
+            If `stations` is not a one-dimensional array of numbers.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> rm.Profile.full_mat().elevation([6.0, 100.0])
+        array([0.75, 1.5 ])
+        """
+        return self._core.elevation(array("stations", stations))
+
+    @classmethod
+    def mat(
+        cls, length: float, height: float = 1.5, ramp: float = 12.0, start: float = 0.0
+    ) -> Profile:
+        """
+        Repair mat: up a ramp, level, down a ramp.
+
+        Parameters
+        ----------
+        length : float
+            Overall length, ramps included [length].
+        height : float
+            Thickness [length]. Default: AM-2 matting, 1.5 in (published: UFC 3-270-07).
+        ramp : float
+            Length of each ramp, 0 for a sharp edge [length]. Default: 12 in (inferred; the
+            report's figure is lost).
+        start : float
+            Station of the leading edge [length].
+
+        Returns
+        -------
+        Profile
+            The mat.
+
+        Raises
+        ------
+        InputError
+            If `length` is not positive, `ramp` is negative or two ramps are longer than the mat.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> rm.Profile.mat(120.0).z
+        array([0. , 1.5, 1.5, 0. ])
+        """
+        length, height = number("length", length), number("height", height)
+        ramp, start = number("ramp", ramp), number("start", start)
+        if not length > 0:
+            raise InputError(f"length = {length!r} is not positive")
+        if not 0 <= 2 * ramp <= length:
+            raise InputError(f"ramp = {ramp!r} is not between 0 and half the length {length!r}")
+        stations = [start, start + ramp, start + (length - ramp), start + length]
+        return cls(stations, [0.0, height, height, 0.0])
+
+    @classmethod
+    def spall(
+        cls, length: float, depth: float, ramp: float = 0.0, start: float = 0.0
+    ) -> Profile:
+        """
+        Spall: a cut in the surface, down and up again.
+
+        Parameters
+        ----------
+        length : float
+            Overall length along the runway [length].
+        depth : float
+            Depth, positive down [length].
+        ramp : float
+            Length of each sloping edge, 0 for a sharp edge [length].
+        start : float
+            Station of the leading edge [length].
+
+        Returns
+        -------
+        Profile
+            The spall.
+
+        Raises
+        ------
+        InputError
+            As for `mat`.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> rm.Profile.spall(24.0, 1.5).z
+        array([ 0. , -1.5, -1.5,  0. ])
+        """
+        return cls.mat(length, -number("depth", depth), ramp, start)
+
+    @classmethod
+    def one_minus_cosine(
+        cls, length: float, height: float, segments: int = 64, start: float = 0.0
+    ) -> Profile:
+        """
+        Smooth bump z = h/2 (1 - cos 2πx/L), as chords between equidistant points.
+
+        Parameters
+        ----------
+        length : float
+            Length of the bump, L [length].
+        height : float
+            Height of the bump, h [length].
+        segments : int
+            Number of chords, at least 2; a chord departs from the curve by at most
+            h π²/4 / segments² (0.06 % of h with 64).
+        start : float
+            Station of the leading edge [length].
+
+        Returns
+        -------
+        Profile
+            The bump.
+
+        Raises
+        ------
+        InputError
+            If `length` is not positive, a value is not finite or there are too few segments.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> rm.Profile.one_minus_cosine(100.0, 2.0, segments=4).z
+        array([0., 1., 2., 1., 0.])
+        """
+        count = number("segments", segments)
+        if not (count == int(count) if abs(count) < 1e9 else False):
+            raise InputError(f"segments = {segments!r} is not a whole number below 1e9")
+        if count < 2:
+            raise InputError(f"segments = {segments!r} is less than 2")
+        length, height = number("length", length), number("height", height)
+        core = _core.Profile.one_minus_cosine(length, height, int(count), number("start", start))
+        return cls._wrap(core)
+
+    @classmethod
+    def full_mat(cls) -> Profile:
+        """
+        AM-2 mat of the report's Figure 7, in inches.
+
+        77.5 ft overall, 1.5 in high (published: UFC 3-270-07, crater cover 54 ft × 77.5 ft);
+        12 in ramps (inferred: the figure is lost).
+
+        Returns
+        -------
+        Profile
+            The mat [in].
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> rm.Profile.full_mat().x
+        array([  0.,  12., 918., 930.])
+        """
+        return cls.mat(930.0)
+
+    @classmethod
+    def half_mat(cls, length: float = 540.0) -> Profile:
+        """
+        Half mat of the report's Figure 3, in inches.
+
+        Parameters
+        ----------
+        length : float
+            Length [in]. Default: 45 ft, inferred. The figure is lost, and half of 77.5 ft
+            contradicts the text; with 45 ft and sharp edges the one-degree-of-freedom run
+            first unloads at the fourth minimum, as the report says.
+
+        Returns
+        -------
+        Profile
+            The mat, 1.5 in high with sharp edges [in].
+
+        Raises
+        ------
+        InputError
+            If `length` is not positive.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> rm.Profile.half_mat().x
+        array([  0.,   0., 540., 540.])
+        """
+        return cls.mat(length, ramp=0.0)
+
+    @classmethod
+    def two_foot_spall(cls, depth: float = 1.5, ramp: float = 0.0) -> Profile:
+        """
+        Two-foot spall of the report's Figure 13, in inches.
+
+        Parameters
+        ----------
+        depth : float
+            Depth [in]. Default inferred: the figure is lost.
+        ramp : float
+            Length of each sloping edge [in]. Default inferred: sharp edges.
+
+        Returns
+        -------
+        Profile
+            The spall, 24 in wide (printed) [in].
+
+        Raises
+        ------
+        InputError
+            If a value is not finite or `ramp` is not between 0 and 12.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> rm.Profile.two_foot_spall().x
+        array([ 0.,  0., 24., 24.])
+        """
+        return cls.spall(24.0, depth, ramp)
+
+    @classmethod
+    def double_spall(
+        cls, depth: float = 1.5, ramp: float = 0.0, spacing: float = 48.0
+    ) -> Profile:
+        """
+        Two two-foot spalls in a row, the report's Figure 13, in inches.
+
+        Parameters
+        ----------
+        depth : float
+            Depth [in]. Default inferred: the figure is lost.
+        ramp : float
+            Length of each sloping edge [in]. Default inferred: sharp edges.
+        spacing : float
+            From leading edge to leading edge, at least 24 [in]. Default inferred: two feet of
+            runway between them.
+
+        Returns
+        -------
+        Profile
+            The spalls, each 24 in wide [in].
+
+        Raises
+        ------
+        InputError
+            If a value is not finite, `ramp` is not between 0 and 12 or the spalls overlap.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> rm.Profile.double_spall().x
+        array([ 0.,  0., 24., 24., 48., 48., 72., 72.])
+        """
+        spacing = number("spacing", spacing)
+        if not spacing >= 24.0:
+            raise InputError(f"spacing = {spacing!r} is less than a spall's width, 24")
+        one = cls.two_foot_spall(depth, ramp)
+        return one + one.shifted(spacing)
+
+    def __add__(self, other: Profile) -> Profile:
+        """Sum of two profiles, with the breakpoints of both."""
+        if not isinstance(other, Profile):
+            return NotImplemented
+        return self._wrap(self._core.sum(other._core))
+
+    def shifted(self, dx: float) -> Profile:
+        """
+        Move the profile down the runway.
+
+        Parameters
+        ----------
+        dx : float
+            How far, positive to larger stations [length].
+
+        Returns
+        -------
+        Profile
+            The moved profile.
+
+        Raises
+        ------
+        InputError
+            If `dx` is not finite.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> rm.Profile([0, 1], [0, 1]).shifted(5).x
+        array([5., 6.])
+        """
+        return self._wrap(self._core.shifted(number("dx", dx)))
+
+    def footprint(self, length: float, tolerance: float | None = None) -> Profile:
+        """
+        What a tire of finite contact length feels: the mean elevation under it.
+
+        The mean of a piecewise-linear profile is piecewise quadratic. It is evaluated exactly
+        and each quadratic piece is replaced by as many equal chords as keep within
+        `tolerance` of it.
+
+        Parameters
+        ----------
+        length : float
+            Contact length, centred on the station [length].
+        tolerance : float, optional
+            Largest departure of a chord from the exact mean [length]. Default: 1e-4 of the
+            profile's range of elevation.
+
+        Returns
+        -------
+        Profile
+            The enveloped profile.
+
+        Raises
+        ------
+        InputError
+            If `length` or `tolerance` is not positive.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> step = rm.Profile([0, 0], [0, 1])
+        >>> step.footprint(10.0).elevation([-5.0, 0.0, 5.0])
+        array([0. , 0.5, 1. ])
+        """
+        length = number("length", length)
+        if tolerance is None:
+            tolerance = 1e-4 * (float(self.z.max()) - float(self.z.min())) or 1.0
+        return self._wrap(self._core.footprint(length, number("tolerance", tolerance)))
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both have the same breakpoints."""
+        if not isinstance(other, Profile):
+            return NotImplemented
+        return (self.x.tobytes(), self.z.tobytes()) == (other.x.tobytes(), other.z.tobytes())
+
+    def __hash__(self) -> int:
+        """Hash of the breakpoints."""
+        return hash((self.x.tobytes(), self.z.tobytes()))
+
+    def __reduce__(self) -> tuple[type[Profile], tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Pickle by breakpoints."""
+        return Profile, (self.x, self.z)
+
+    def __repr__(self) -> str:
+        """Breakpoints, or their number and range."""
+        x, z = self.x, self.z
+        if x.size <= 8:
+            return f"Profile(x={x.tolist()}, z={z.tolist()})"
+        return (
+            f"<Profile: {x.size} breakpoints, x {x[0]:g} to {x[-1]:g}, z {z.min():g} to {z.max():g}>"
+        )

@@ -1,0 +1,236 @@
+"""What comes out of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ._input import array, read_only
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from . import _core
+    from .modes import Modes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Extremes:
+    """
+    True extremes of a response over its time span, between samples too.
+
+    Found as zeros of the derivative of the continuous solution. At a vertical step both
+    sides count; of equal peaks the first.
+    """
+
+    #: Largest compression load of each gear, shape (g,) [force].
+    max_load: NDArray[np.float64]
+    #: When it occurs, shape (g,) [time].
+    time_of_max: NDArray[np.float64]
+    #: Smallest compression load of each gear, shape (g,) [force]; ≤ 0 where the gear unloads.
+    min_load: NDArray[np.float64]
+    #: When it occurs, shape (g,) [time].
+    time_of_min: NDArray[np.float64]
+    #: Largest magnitude of vertical acceleration at each station [length/time²].
+    max_acceleration: dict[str, float]
+    #: When it occurs [time].
+    time_of_max_acceleration: dict[str, float]
+
+
+class Response:
+    """
+    Motion and loads of one run, sampled at `time` and exact there.
+
+    `simulate` makes it. Motion is from static equilibrium. `modal` and `modal_rate` are
+    computed with the run, everything else when first asked for; all arrays are read-only,
+    with one row a time.
+
+    Parameters
+    ----------
+    run : _core.Run
+        The run.
+    modes : Modes
+        Its modes.
+    time : ndarray, shape (n,)
+        Checked times.
+
+    Examples
+    --------
+    >>> import runway_modal as rm
+    >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+    >>> response.load.shape == (response.time.size, 3)
+    True
+    """
+
+    #: The modes of the run.
+    modes: Modes
+    #: Sample times, shape (n,) [time].
+    time: NDArray[np.float64]
+    #: Modal displacements p, shape (n, m) (Eq. 12).
+    modal: NDArray[np.float64]
+    #: Modal rates ṗ, shape (n, m).
+    modal_rate: NDArray[np.float64]
+
+    def __init__(self, run: _core.Run, modes: Modes, time: NDArray[np.float64]) -> None:
+        self._run = run
+        self.modes = modes
+        self.time = read_only(time)
+        self.modal = np.empty((time.size, modes.omega.size))
+        self.modal_rate = np.empty_like(self.modal)
+        run.states(time, self.modal, self.modal_rate)
+        read_only(self.modal)
+        read_only(self.modal_rate)
+
+    def _read(self, quantity: str, columns: int) -> NDArray[np.float64]:
+        out = np.empty((self.time.size, columns))
+        self._run.read(quantity, self._stations, self.time, out)
+        return read_only(out)
+
+    @property
+    def _stations(self) -> NDArray[np.float64]:
+        return np.array(list(self.modes.aircraft.stations.values()))
+
+    @cached_property
+    def distance(self) -> NDArray[np.float64]:
+        """Distance of the foremost gear past station 0, shape (n,) [length]."""
+        return read_only(self.time * self._run.speed())
+
+    @cached_property
+    def cg(self) -> NDArray[np.float64]:
+        """Bounce, pitch and roll at the centre of gravity, shape (n, 3) [length, rad] (Eq. 19)."""
+        return self._read("cg", 3)
+
+    @cached_property
+    def cg_rate(self) -> NDArray[np.float64]:
+        """Their rates, shape (n, 3) [length/time, rad/time]."""
+        return self._read("cg_rate", 3)
+
+    @cached_property
+    def cg_acceleration(self) -> NDArray[np.float64]:
+        """Their accelerations, shape (n, 3) [length/time², rad/time²]."""
+        return self._read("cg_acceleration", 3)
+
+    @cached_property
+    def gear_displacement(self) -> NDArray[np.float64]:
+        """Vertical displacement of the body at each gear, shape (n, g) [length] (Eq. 20)."""
+        return self._read("gear_displacement", len(self.modes.aircraft.gears))
+
+    @cached_property
+    def elevation(self) -> NDArray[np.float64]:
+        """Elevation under each gear, shape (n, g) [length]; at a vertical step, after it."""
+        return self._read("elevation", len(self.modes.aircraft.gears))
+
+    @cached_property
+    def load(self) -> NDArray[np.float64]:
+        """Compression load of each gear, static load included, shape (n, g) [force] (Eq. 21)."""
+        return self._read("load", len(self.modes.aircraft.gears))
+
+    @cached_property
+    def acceleration(self) -> dict[str, NDArray[np.float64]]:
+        """Vertical acceleration at each station, each of shape (n,) [length/time²]."""
+        names = list(self.modes.aircraft.stations)
+        columns = self._read("acceleration", len(names))
+        return {name: read_only(columns[:, i].copy()) for i, name in enumerate(names)}
+
+    @property
+    def static_load(self) -> NDArray[np.float64]:
+        """Static load of each gear, shape (g,) [force]."""
+        return self.modes.aircraft.static_load
+
+    @property
+    def unloaded(self) -> NDArray[np.bool_]:
+        """
+        Whether each gear's load reaches zero, shape (g,).
+
+        Past that the linear model, in which a gear may pull on the runway, no longer holds.
+        """
+        return self.extremes().min_load <= 0.0
+
+    def at(self, times: ArrayLike) -> Response:
+        """
+        Evaluate the same run at other times, exactly.
+
+        Parameters
+        ----------
+        times : array_like, shape (k,), or float
+            Never decreasing [time].
+
+        Returns
+        -------
+        Response
+            The response at those times.
+
+        Raises
+        ------
+        InputError
+            If there is no time, one is not finite or they decrease.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+        >>> response.at([0.5, 1.0]).load.shape
+        (2, 3)
+        """
+        return Response(self._run, self.modes, checked_times(self._run, times))
+
+    def extremes(self) -> Extremes:
+        """
+        True extremes between the first and the last of the sample times.
+
+        Returns
+        -------
+        Extremes
+            Loads and accelerations, between samples too.
+
+        Raises
+        ------
+        NumericalError
+            If a result leaves the range of double precision.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+        >>> bool((response.extremes().max_load >= response.load.max(axis=0)).all())
+        True
+        """
+        return self._extremes
+
+    @cached_property
+    def _extremes(self) -> Extremes:
+        aircraft = self.modes.aircraft
+        found = self._run.extremes(self._stations, float(self.time[0]), float(self.time[-1]))
+        gears = len(aircraft.gears)
+        load = [read_only(row.copy()) for row in found[:, :gears]]
+        high, when_high, low, when_low = found[:, gears:].tolist()
+        size, when = {}, {}
+        for i, name in enumerate(aircraft.stations):
+            up = high[i] >= -low[i]
+            size[name] = high[i] if up else -low[i]
+            when[name] = when_high[i] if up else when_low[i]
+        return Extremes(
+            max_load=load[0],
+            time_of_max=load[1],
+            min_load=load[2],
+            time_of_min=load[3],
+            max_acceleration=size,
+            time_of_max_acceleration=when,
+        )
+
+    def __repr__(self) -> str:
+        """Span and size."""
+        return (
+            f"<Response: {self.time.size} times from {self.time[0]:g} to {self.time[-1]:g}, "
+            f"gears {', '.join(self.modes.aircraft.gear_names)}>"
+        )
+
+
+def checked_times(run: _core.Run, times: ArrayLike) -> NDArray[np.float64]:
+    """Own copy of a caller's times, checked."""
+    checked = array("times", np.atleast_1d(np.asanyarray(times))).copy()
+    run.check_times(checked)
+    return checked

@@ -1,0 +1,110 @@
+"""One aircraft meets one runway at one speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import _core
+from ._core import InputError
+from ._input import number
+from .modes import Modes
+from .profile import Profile
+from .response import Response, checked_times
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+#: Under gears that are left out.
+_LEVEL = Profile._wrap(_core.Profile.level())
+
+
+def simulate(
+    modes: Modes,
+    tracks: Profile | Mapping[str, Profile],
+    speed: float,
+    *,
+    times: ArrayLike | None = None,
+    duration: float | None = None,
+    damping_input: bool = False,
+) -> Response:
+    """
+    Roll an aircraft over a runway profile; exact in continuous time.
+
+    The modes are marched from breakpoint to breakpoint in closed form (Eqs. 12-14, 17-21); no
+    time step is involved. At time 0 the foremost gear is at station 0; the gear at x_g meets
+    station s at t = (s + x_front - x_g) / speed. The run starts at rest in equilibrium on the
+    first elevations.
+
+    Parameters
+    ----------
+    modes : Modes
+        From `Aircraft.modes`, `Modes` or `single_dof`.
+    tracks : Profile or mapping of str to Profile
+        One profile for every gear, or profiles by gear name; gears left out run on the level.
+    speed : float
+        Ground speed, constant, > 0 [length/time].
+    times : array_like, shape (n,), optional
+        When to sample, never decreasing [time]. Default: every breakpoint of every gear, both
+        sides of a vertical step, and at least 20 points a period of the fastest mode.
+    duration : float, optional
+        End of the default times [time]. Default: 5 after the last gear has passed the last
+        breakpoint.
+    damping_input : bool
+        Whether the gears' dampers take part in the ground input and the loads, the terms
+        C₁u̇ of Eq. 12 and c(u̇_P - u̇) of Eqs. 2 and 16. The report drops them. They come from
+        `Gear.damping`, not from the damping ratios.
+
+    Returns
+    -------
+    Response
+        Motion and loads.
+
+    Raises
+    ------
+    InputError
+        If an argument is of the wrong kind or out of range, or a gear name is unknown.
+    NumericalError
+        If a result leaves the range of double precision.
+
+    Notes
+    -----
+    A vertical step with `damping_input` gives the aircraft a blow; the infinite load of that
+    instant is not part of the results.
+
+    Examples
+    --------
+    The full mat at 20 knots (the report's Figure 10):
+
+    >>> import runway_modal as rm
+    >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+    >>> response.extremes().max_load.round(-2)
+    array([11100., 42400., 42400.])
+    """
+    if not isinstance(modes, Modes):
+        raise InputError(f"modes = {modes!r} is not a Modes; see Aircraft.modes")
+    if not isinstance(damping_input, bool | np.bool_):
+        raise InputError(f"damping_input = {damping_input!r} is not True or False")
+    profiles = [profile._core for profile in _by_gear(modes.aircraft.gear_names, tracks)]
+    run = _core.Run(modes._core, profiles, number("speed", speed), bool(damping_input))
+    if times is None:
+        span = None if duration is None else number("duration", duration)
+        return Response(run, modes, run.sample_times(span))
+    if duration is not None:
+        raise InputError("duration ends the default times; it does not go with times")
+    return Response(run, modes, checked_times(run, times))
+
+
+def _by_gear(names: tuple[str, ...], tracks: Profile | Mapping[str, Profile]) -> list[Profile]:
+    if isinstance(tracks, Profile):
+        return [tracks] * len(names)
+    if not isinstance(tracks, Mapping):
+        raise InputError(f"tracks = {tracks!r} is neither a Profile nor profiles by gear name")
+    for name, profile in tracks.items():
+        if name not in names:
+            raise InputError(f"tracks[{name!r}]: no such gear; there are {names}")
+        if not isinstance(profile, Profile):
+            raise InputError(f"tracks[{name!r}] = {profile!r} is not a Profile")
+    return [tracks.get(name, _LEVEL) for name in names]

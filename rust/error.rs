@@ -1,0 +1,147 @@
+//! The one error type. Every variant carries the numbers that are wrong.
+
+use std::fmt;
+
+/// The result of everything that can fail.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Where a value stands: an argument's name and, in an array, its indices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    argument: &'static str,
+    row: Option<usize>,
+    column: Option<usize>,
+}
+
+impl Place {
+    /// `argument[index]`.
+    #[must_use]
+    pub fn at(argument: &'static str, index: usize) -> Self {
+        Self { argument, row: Some(index), column: None }
+    }
+
+    /// `argument[row, column]`.
+    #[must_use]
+    pub fn cell(argument: &'static str, row: usize, column: usize) -> Self {
+        Self { argument, row: Some(row), column: Some(column) }
+    }
+}
+
+impl From<&'static str> for Place {
+    fn from(argument: &'static str) -> Self {
+        Self { argument, row: None, column: None }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.argument)?;
+        match (self.row, self.column) {
+            (Some(row), Some(column)) => write!(f, "[{row}, {column}]"),
+            (Some(row), None) => write!(f, "[{row}]"),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// What is wrong, where, and with which value.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs, reason = "each message says what its fields are")]
+pub enum Error {
+    /// NaN or an infinity.
+    #[error("{place} = {value} is not finite")]
+    NotFinite { place: Place, value: f64 },
+    /// Zero or negative where only positive makes sense.
+    #[error("{place} = {value:?} is not positive")]
+    NotPositive { place: Place, value: f64 },
+    /// Negative where zero is the least.
+    #[error("{place} = {value:?} is negative")]
+    Negative { place: Place, value: f64 },
+    /// A sequence that steps back.
+    #[error("{place} = {value:?} is less than {previous:?} before it: values may not decrease")]
+    Decreasing { place: Place, value: f64, previous: f64 },
+    /// An array with too few entries.
+    #[error("{argument} has {found} entries, at least {least} needed")]
+    TooShort { argument: &'static str, found: usize, least: usize },
+    /// An array whose length does not match another's.
+    #[error("{argument} has {found} entries, {expected} expected ({why})")]
+    WrongLength { argument: &'static str, found: usize, expected: usize, why: &'static str },
+    /// Two gears of one name.
+    #[error("gears[{second}].name = '{name}' repeats the name of gears[{first}]")]
+    DuplicateGear { name: String, first: usize, second: usize },
+    /// The gears cannot carry the weight in equilibrium.
+    #[error(
+        "gears: {freedom} has no stiffness and the weight would excite it \
+         ({gears} gear(s), unbalanced arm {arm:?} from the centre of gravity)"
+    )]
+    Unsupported { freedom: &'static str, gears: usize, arm: f64 },
+    /// A value whose consequences leave the range of double precision.
+    #[error("{place} = {value:?} is out of range: {why}")]
+    OutOfRange { place: Place, value: f64, why: &'static str },
+    /// Mode shapes that are not orthonormal with respect to the mass matrix (Eq. 7).
+    #[error(
+        "shapes: modes {row} and {column} have shapesᵀ M shapes = {value:?}, \
+         {expected:?} ± {tolerance:?} expected (orthonormal shapes, Eq. 7)"
+    )]
+    NotOrthonormal { row: usize, column: usize, value: f64, expected: f64, tolerance: f64 },
+    /// The eigenvalue iteration did not converge.
+    #[error("the eigenvalue iteration did not converge in {iterations} steps")]
+    NotConverged { iterations: usize },
+    /// A result overflowed.
+    #[error("{quantity} left the range of double precision by time {time:?}")]
+    Overflow { quantity: &'static str, time: f64 },
+    /// The caller asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl Error {
+    /// Whether the arithmetic failed, rather than the input being wrong.
+    #[must_use]
+    pub fn is_numerical(&self) -> bool {
+        matches!(self, Self::NotConverged { .. } | Self::Overflow { .. })
+    }
+}
+
+/// Passes a finite value.
+///
+/// # Errors
+/// [`Error::NotFinite`].
+pub fn finite(place: impl Into<Place>, value: f64) -> Result<f64> {
+    if value.is_finite() { Ok(value) } else { Err(Error::NotFinite { place: place.into(), value }) }
+}
+
+/// Passes a finite value > 0.
+///
+/// # Errors
+/// [`Error::NotFinite`], [`Error::NotPositive`].
+pub fn positive(place: impl Into<Place>, value: f64) -> Result<f64> {
+    let place = place.into();
+    if finite(place, value)? > 0.0 { Ok(value) } else { Err(Error::NotPositive { place, value }) }
+}
+
+/// Passes a finite value ≥ 0.
+///
+/// # Errors
+/// [`Error::NotFinite`], [`Error::Negative`].
+pub fn not_negative(place: impl Into<Place>, value: f64) -> Result<f64> {
+    let place = place.into();
+    if finite(place, value)? >= 0.0 { Ok(value) } else { Err(Error::Negative { place, value }) }
+}
+
+/// Passes a finite sequence that never decreases.
+///
+/// # Errors
+/// [`Error::NotFinite`], [`Error::Decreasing`].
+pub fn non_decreasing(argument: &'static str, values: &[f64]) -> Result<()> {
+    let mut previous = f64::NEG_INFINITY;
+    for (i, &value) in values.iter().enumerate() {
+        let place = Place::at(argument, i);
+        if finite(place, value)? < previous {
+            return Err(Error::Decreasing { place, value, previous });
+        }
+        previous = value;
+    }
+    Ok(())
+}

@@ -1,0 +1,304 @@
+//! Natural modes of the aircraft on its gears (Eqs. 6–11).
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+
+use crate::aircraft::{Aircraft, Gear, ITERATIONS, gram};
+use crate::error::{Error, Place, Result, finite, not_negative, positive};
+
+/// How far ΦᵀMΦ of given shapes may be from the identity: three printed digits, as in
+/// the report's tables, are off by up to 1.3e-3.
+pub const ORTHONORMALITY: f64 = 5e-3;
+
+/// Given modes this close (ΦᵀKΦ against ω², relative) to the aircraft's own are its own.
+const OWN: f64 = 1e-12;
+
+/// Components within this share of each other are a tie when the sign of a mode is chosen.
+const TIE: f64 = 1e-9;
+
+/// Modes of an aircraft, its own or measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modes {
+    aircraft: Arc<Aircraft>,
+    omega: Vec<f64>,
+    damping_ratio: Vec<f64>,
+    shapes: Vec<Vector3<f64>>,
+    statics: Statics,
+}
+
+/// How the elevations under the gears carry the aircraft, and what they leave over.
+///
+/// The modes follow elevations u to the static gear positions R u. Where the modes are the
+/// aircraft's own and no gear is redundant, R is the identity: a load then depends on the
+/// modal motion alone. What else there is stands here, one row a gear.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Statics {
+    /// I − R of these modes. Rows sum to exactly zero when `own`.
+    pub unfollowed: Vec<Vec<f64>>,
+    /// I − R of the aircraft's own modes: what warps the gears even at rest.
+    pub warp: Vec<Vec<f64>>,
+    /// CG coordinates at rest ÷ elevation, of the aircraft's own modes, one column a gear.
+    pub rest: Vec<Vector3<f64>>,
+    /// Whether these are all of the aircraft's own modes.
+    pub own: bool,
+}
+
+impl Modes {
+    /// The aircraft's own modes with given damping ratios, or with those of its dampers (Eq. 11).
+    ///
+    /// # Errors
+    /// A negative or non-finite ratio, a wrong number of them, no convergence.
+    pub fn natural(aircraft: Arc<Aircraft>, damping_ratio: Option<&[f64]>) -> Result<Self> {
+        let (omega, shapes) = eigen(&aircraft)?;
+        let damping_ratio = match damping_ratio {
+            Some([one]) => vec![not_negative("damping_ratio", *one)?; omega.len()],
+            Some(each) => check_ratios(each, omega.len())?,
+            None => shapes
+                .iter()
+                .zip(&omega)
+                .map(|(shape, omega)| rayleigh(&aircraft, shape, |gear| gear.damping) / (2.0 * omega))
+                .collect(),
+        };
+        let statics = Statics::own(&aircraft, &omega, &shapes);
+        Ok(Self { aircraft, omega, damping_ratio, shapes, statics })
+    }
+
+    /// Measured modes: as many as were measured, in the order given.
+    ///
+    /// # Errors
+    /// Values out of range, lengths that differ, shapes that are not orthonormal (Eq. 7).
+    pub fn measured(
+        aircraft: Arc<Aircraft>,
+        omega: Vec<f64>,
+        damping_ratio: &[f64],
+        shapes: Vec<Vector3<f64>>,
+    ) -> Result<Self> {
+        if omega.is_empty() {
+            return Err(Error::TooShort { argument: "omega", found: 0, least: 1 });
+        }
+        for (i, &value) in omega.iter().enumerate() {
+            positive(Place::at("omega", i), value)?;
+            if !(1e-100..1e100).contains(&value) {
+                let place = Place::at("omega", i);
+                return Err(Error::OutOfRange { place, value, why: "1e-100 to 1e100 is allowed" });
+            }
+        }
+        let damping_ratio = check_ratios(damping_ratio, omega.len())?;
+        if shapes.len() != omega.len() {
+            return Err(Error::WrongLength {
+                argument: "shapes",
+                found: shapes.len(),
+                expected: omega.len(),
+                why: "one column a mode",
+            });
+        }
+        check_orthonormal(&aircraft, &shapes)?;
+        let statics = Statics::measured(&aircraft, &omega, &shapes)?;
+        Ok(Self { aircraft, omega, damping_ratio, shapes, statics })
+    }
+
+    /// The aircraft.
+    #[must_use]
+    pub fn aircraft(&self) -> &Arc<Aircraft> {
+        &self.aircraft
+    }
+
+    /// ω, ascending for natural modes.
+    #[must_use]
+    pub fn omega(&self) -> &[f64] {
+        &self.omega
+    }
+
+    /// ζ.
+    #[must_use]
+    pub fn damping_ratio(&self) -> &[f64] {
+        &self.damping_ratio
+    }
+
+    /// Mode shapes {bounce, pitch, roll}, ΦᵀMΦ = I (Eq. 7).
+    #[must_use]
+    pub fn shapes(&self) -> &[Vector3<f64>] {
+        &self.shapes
+    }
+
+    pub(crate) fn statics(&self) -> &Statics {
+        &self.statics
+    }
+
+    /// Where on the centreline a mode does not move: x = −bounce ÷ pitch, forward of the CG.
+    /// Infinite for pure bounce, NaN for a mode that leaves the whole centreline at rest.
+    #[must_use]
+    pub fn node(&self) -> Vec<f64> {
+        let scale = self.aircraft.inertia().diagonal().map(f64::sqrt);
+        self.shapes
+            .iter()
+            .map(|shape| {
+                let weighted = shape.component_mul(&scale);
+                if weighted.xy().amax() <= TIE * weighted.amax() { f64::NAN } else { -shape[0] / shape[1] }
+            })
+            .collect()
+    }
+
+    /// What dropping the off-diagonal terms of `C_P` neglects (Eq. 9): |`C_ij`| ÷ √(`C_ii` `C_jj`)
+    /// off the diagonal, 0 on it and where a mode has no damper.
+    #[must_use]
+    pub fn damping_coupling(&self) -> Vec<Vec<f64>> {
+        let damping = self.aircraft.damping_matrix();
+        let coupling = |a: &Vector3<f64>, b: &Vector3<f64>| a.dot(&(damping * b));
+        (0..self.shapes.len())
+            .map(|i| {
+                (0..self.shapes.len())
+                    .map(|j| {
+                        let (a, b) = (&self.shapes[i], &self.shapes[j]);
+                        let own = coupling(a, a).sqrt() * coupling(b, b).sqrt();
+                        if i == j || own == 0.0 { 0.0 } else { (coupling(a, b) / own).abs() }
+                    })
+                    .collect()
+            })
+            .collect()
+    }
+}
+
+impl Statics {
+    fn own(aircraft: &Aircraft, omega: &[f64], shapes: &[Vector3<f64>]) -> Self {
+        let gears = aircraft.gears();
+        let rest = at_rest(aircraft, omega, shapes);
+        let mut warp = leftover(gears, &rest);
+        for (g, row) in warp.iter_mut().enumerate() {
+            if gears.len() == aircraft.rank() {
+                row.fill(0.0);
+            } else {
+                // A lift of all gears is followed: the rows sum to zero, here to the last bit.
+                row[g] = 0.0;
+                row[g] = -row.iter().sum::<f64>();
+            }
+        }
+        Self { unfollowed: warp.clone(), warp, rest, own: true }
+    }
+
+    fn measured(aircraft: &Arc<Aircraft>, omega: &[f64], shapes: &[Vector3<f64>]) -> Result<Self> {
+        let (own_omega, own_shapes) = eigen(aircraft)?;
+        let own = Self::own(aircraft, &own_omega, &own_shapes);
+        let stiffness = aircraft.stiffness_matrix();
+        let is_own = shapes.len() == own_shapes.len()
+            && (0..shapes.len()).all(|i| {
+                (0..shapes.len()).all(|j| {
+                    let expected = if i == j { omega[i] * omega[i] } else { 0.0 };
+                    (shapes[i].dot(&(stiffness * shapes[j])) - expected).abs() <= OWN * omega[i] * omega[j]
+                })
+            });
+        if is_own {
+            return Ok(own);
+        }
+        let unfollowed = leftover(aircraft.gears(), &at_rest(aircraft, omega, shapes));
+        Ok(Self { unfollowed, own: false, ..own })
+    }
+}
+
+/// Φ ω⁻² Φᵀ `K_1`, column by column: CG coordinates at rest on a unit elevation of each gear.
+fn at_rest(aircraft: &Aircraft, omega: &[f64], shapes: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let column = |gear: &Gear| {
+        let push = gear.row() * gear.stiffness;
+        shapes.iter().zip(omega).map(|(shape, omega)| shape * (shape.dot(&push) / omega / omega)).sum()
+    };
+    aircraft.gears().iter().map(column).collect()
+}
+
+/// I − G · rest.
+fn leftover(gears: &[Gear], rest: &[Vector3<f64>]) -> Vec<Vec<f64>> {
+    let entry = |g: usize, j: usize| f64::from(u8::from(g == j)) - gears[g].row().dot(&rest[j]);
+    (0..gears.len()).map(|g| (0..gears.len()).map(|j| entry(g, j)).collect()).collect()
+}
+
+/// φᵀ (Gᵀ w G) φ ÷ φᵀMφ as a sum of squares: nothing cancels between the gears.
+fn rayleigh(aircraft: &Aircraft, shape: &Vector3<f64>, weight: impl Fn(&Gear) -> f64) -> f64 {
+    let mass = shape.component_mul(shape).dot(&aircraft.inertia().diagonal());
+    let sum: f64 = aircraft.gears().iter().map(|gear| weight(gear) * gear.row().dot(shape).powi(2)).sum();
+    sum / mass
+}
+
+/// ω ascending and Φ of (K − ω²M) φ = 0, ΦᵀMΦ = I (Eqs. 6–8).
+fn eigen(aircraft: &Aircraft) -> Result<(Vec<f64>, Vec<Vector3<f64>>)> {
+    let springs: Vec<Vector3<f64>> =
+        aircraft.gears().iter().map(|gear| aircraft.normal_row(gear) * gear.stiffness.sqrt()).collect();
+    let normal = gram(springs.iter().map(|row| (*row, 1.0)));
+    let eigen = SymmetricEigen::try_new(normal, f64::EPSILON, ITERATIONS)
+        .ok_or(Error::NotConverged { iterations: ITERATIONS })?;
+    let mut modes: Vec<(f64, Vector3<f64>)> = orthogonal_strains(&springs, eigen.eigenvectors)
+        .column_iter()
+        .map(|vector| {
+            let vector = vector.into_owned();
+            let largest = vector.amax();
+            let leading = vector.iter().find(|c| c.abs() >= (1.0 - TIE) * largest).copied();
+            let scale = aircraft.inertia().diagonal().map(f64::sqrt);
+            let shape = (vector * leading.unwrap_or(1.0).signum()).component_div(&scale);
+            (rayleigh(aircraft, &shape, |gear| gear.stiffness).sqrt(), shape)
+        })
+        .collect();
+    modes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // The lowest 3 − rank have no stiffness and, statics having passed, no excitation.
+    Ok(modes.into_iter().skip(3 - aircraft.rank()).unzip())
+}
+
+/// Turns the eigenvectors until the spring forces of any two are orthogonal to rounding.
+///
+/// An eigenvalue solver errs by the rounding of the *largest* eigenvalue; Jacobi rotations on
+/// the springs themselves (one-sided, so that nothing is squared) give every mode, however
+/// soft beside the others, its own full precision.
+fn orthogonal_strains(springs: &[Vector3<f64>], mut vectors: Matrix3<f64>) -> Matrix3<f64> {
+    const SWEEPS: usize = 8; // two suffice; more cannot harm
+    for _ in 0..SWEEPS {
+        let mut turned = false;
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            let (a, b) = (vectors.column(i).into_owned(), vectors.column(j).into_owned());
+            let strain =
+                |v: &Vector3<f64>, w: &Vector3<f64>| springs.iter().map(|s| s.dot(v) * s.dot(w)).sum::<f64>();
+            let (aa, ab, bb) = (strain(&a, &a), strain(&a, &b), strain(&b, &b));
+            if ab.abs() > f64::EPSILON * (aa.sqrt() * bb.sqrt()) {
+                let half = (bb - aa) / (2.0 * ab);
+                let tangent = half.signum() / (half.abs() + (1.0 + half * half).sqrt());
+                let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
+                vectors.set_column(i, &((a - b * tangent) * cosine));
+                vectors.set_column(j, &((a * tangent + b) * cosine));
+                turned = true;
+            }
+        }
+        if !turned {
+            break;
+        }
+    }
+    vectors
+}
+
+fn check_ratios(ratios: &[f64], modes: usize) -> Result<Vec<f64>> {
+    if ratios.len() != modes {
+        return Err(Error::WrongLength {
+            argument: "damping_ratio",
+            found: ratios.len(),
+            expected: modes,
+            why: "one a mode",
+        });
+    }
+    ratios.iter().enumerate().map(|(i, &z)| not_negative(Place::at("damping_ratio", i), z)).collect()
+}
+
+fn check_orthonormal(aircraft: &Aircraft, shapes: &[Vector3<f64>]) -> Result<()> {
+    for (column, shape) in shapes.iter().enumerate() {
+        for (row, &value) in shape.iter().enumerate() {
+            finite(Place::cell("shapes", row, column), value)?;
+        }
+    }
+    let mass = Matrix3::from_diagonal(&aircraft.inertia().diagonal());
+    for row in 0..shapes.len() {
+        for column in 0..=row {
+            let value = shapes[row].dot(&(mass * shapes[column]));
+            let expected = if row == column { 1.0 } else { 0.0 };
+            if (value - expected).abs() > ORTHONORMALITY || value.is_nan() {
+                let tolerance = ORTHONORMALITY;
+                return Err(Error::NotOrthonormal { row, column, value, expected, tolerance });
+            }
+        }
+    }
+    Ok(())
+}

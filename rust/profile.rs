@@ -1,0 +1,212 @@
+//! A checked piecewise-linear runway profile.
+
+use crate::error::{Error, Place, Result, finite, non_decreasing, positive};
+
+/// Elevation against station: straight lines between breakpoints, level before the first
+/// and after the last. A repeated station is a vertical step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    x: Vec<f64>,
+    z: Vec<f64>,
+}
+
+impl Profile {
+    /// A profile through the points (x, z).
+    ///
+    /// # Errors
+    /// No points, lengths that differ, values not finite, stations that decrease, a slope or
+    /// a step too large for double precision.
+    pub fn new(x: Vec<f64>, z: Vec<f64>) -> Result<Self> {
+        if x.is_empty() {
+            return Err(Error::TooShort { argument: "x", found: 0, least: 1 });
+        }
+        if x.len() != z.len() {
+            return Err(Error::WrongLength {
+                argument: "z",
+                found: z.len(),
+                expected: x.len(),
+                why: "one elevation a station",
+            });
+        }
+        non_decreasing("x", &x)?;
+        for (i, &value) in z.iter().enumerate() {
+            finite(Place::at("z", i), value)?;
+        }
+        for i in 1..x.len() {
+            let (run, rise) = (x[i] - x[i - 1], z[i] - z[i - 1]);
+            if !run.is_finite() {
+                let place = Place::at("x", i);
+                return Err(Error::OutOfRange {
+                    place,
+                    value: x[i],
+                    why: "the step from the station before it",
+                });
+            }
+            if !rise.is_finite() || (run > 0.0 && !(rise / run).is_finite()) {
+                let place = Place::at("z", i);
+                return Err(Error::OutOfRange { place, value: z[i], why: "the slope up to it" });
+            }
+        }
+        Ok(Self { x, z })
+    }
+
+    /// A level runway.
+    #[must_use]
+    pub fn level() -> Self {
+        Self { x: vec![0.0], z: vec![0.0] }
+    }
+
+    /// A smooth bump z = h/2 (1 − cos 2πx/L) as chords between `segments` + 1 equidistant points.
+    ///
+    /// # Errors
+    /// A length that is not positive, a height not finite, fewer than two segments.
+    pub fn one_minus_cosine(length: f64, height: f64, segments: usize, start: f64) -> Result<Self> {
+        positive("length", length)?;
+        finite("height", height)?;
+        finite("start", start)?;
+        if segments < 2 {
+            return Err(Error::TooShort { argument: "segments", found: segments, least: 2 });
+        }
+        let share = |i: usize| i as f64 / segments as f64;
+        let x = (0..=segments).map(|i| start + length * share(i)).collect();
+        // sin² from the nearer end: the bump is symmetric to the last bit and ends at zero.
+        let height_at = |i: usize| {
+            let sine = libm::sin(std::f64::consts::PI * share(i.min(segments - i)));
+            height * (sine * sine)
+        };
+        Self::new(x, (0..=segments).map(height_at).collect())
+    }
+
+    /// Stations of the breakpoints.
+    #[must_use]
+    pub fn x(&self) -> &[f64] {
+        &self.x
+    }
+
+    /// Elevations of the breakpoints.
+    #[must_use]
+    pub fn z(&self) -> &[f64] {
+        &self.z
+    }
+
+    /// Whether the elevation is the same everywhere by construction (one point).
+    #[must_use]
+    pub fn is_level(&self) -> bool {
+        self.x.len() == 1
+    }
+
+    /// Elevation at a station; at a step, after it.
+    #[must_use]
+    pub fn elevation(&self, station: f64) -> f64 {
+        self.between(self.x.partition_point(|&x| x <= station), station)
+    }
+
+    /// Elevation at a station; at a step, before it.
+    fn elevation_before(&self, station: f64) -> f64 {
+        let next = self.x.partition_point(|&x| x < station);
+        match self.x.get(next) {
+            Some(&x) if x <= station => self.z[next],
+            _ => self.between(next, station),
+        }
+    }
+
+    /// Elevation on the line that ends at breakpoint `next`.
+    fn between(&self, next: usize, station: f64) -> f64 {
+        if next == 0 {
+            return self.z[0];
+        }
+        if next == self.x.len() {
+            return self.z[next - 1];
+        }
+        let (x0, z0) = (self.x[next - 1], self.z[next - 1]);
+        let share = (station - x0) / (self.x[next] - x0);
+        z0 + (self.z[next] - z0) * share
+    }
+
+    /// The same profile `dx` further down the runway.
+    ///
+    /// # Errors
+    /// A shift that is not finite or takes a station out of range.
+    pub fn shifted(&self, dx: f64) -> Result<Self> {
+        finite("dx", dx)?;
+        Self::new(self.x.iter().map(|x| x + dx).collect(), self.z.clone())
+    }
+
+    /// Sum of two profiles, with the breakpoints of both.
+    ///
+    /// # Errors
+    /// A sum that overflows.
+    pub fn sum(&self, other: &Self) -> Result<Self> {
+        self.combine(other, |a, b| a + b)
+    }
+
+    /// f(this, other) for a linear f.
+    fn combine(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Result<Self> {
+        let mut stations: Vec<f64> = self.x.iter().chain(&other.x).copied().collect();
+        stations.sort_by(f64::total_cmp);
+        stations.dedup();
+        let (mut x, mut z) = (Vec::with_capacity(stations.len()), Vec::with_capacity(stations.len()));
+        for station in stations {
+            let before = f(self.elevation_before(station), other.elevation_before(station));
+            let after = f(self.elevation(station), other.elevation(station));
+            x.push(station);
+            z.push(before);
+            // Both sides of a step, whose breakpoint may be the first or the last.
+            if self.steps_at(station) || other.steps_at(station) {
+                x.push(station);
+                z.push(after);
+            }
+        }
+        Self::new(x, z)
+    }
+
+    fn steps_at(&self, station: f64) -> bool {
+        let next = self.x.partition_point(|&x| x <= station);
+        next >= 2 && self.x[next - 2] >= station
+    }
+
+    /// What a tire of contact length `length` feels: the mean elevation over
+    /// [x − length/2, x + length/2].
+    ///
+    /// The mean of straight lines is piecewise quadratic: its slope is (z(x + length/2) −
+    /// z(x − length/2)) ÷ length, itself piecewise linear. Each quadratic piece is replaced by
+    /// equal chords through exact values, as many as keep the chords within `tolerance`
+    /// of it (a chord of a quadratic of curvature κ errs by at most κ Δx²/8).
+    ///
+    /// # Errors
+    /// A length or tolerance that is not positive.
+    pub fn footprint(&self, length: f64, tolerance: f64) -> Result<Self> {
+        positive("length", length)?;
+        positive("tolerance", tolerance)?;
+        let front = self.shifted(-0.5 * length)?;
+        let back = self.shifted(0.5 * length)?;
+        let slope = front.combine(&back, |f, b| (f - b) / length)?;
+        let (mut x, mut z) = (vec![slope.x[0]], vec![self.z[0]]);
+        let mut mean = self.z[0];
+        for i in 1..slope.x.len() {
+            let run = slope.x[i] - slope.x[i - 1];
+            if run <= 0.0 {
+                continue;
+            }
+            let (start, change) = (slope.z[i - 1], slope.z[i] - slope.z[i - 1]);
+            let chords = (0.125 * run * change.abs() / tolerance).sqrt().ceil().max(1.0);
+            if chords > 1e7 {
+                let place = Place::from("tolerance");
+                return Err(Error::OutOfRange {
+                    place,
+                    value: tolerance,
+                    why: "more than 1e7 chords in one piece",
+                });
+            }
+            for chord in 1..chords as usize {
+                let share = chord as f64 / chords;
+                x.push(slope.x[i - 1] + run * share);
+                z.push(mean + run * share * (start + 0.5 * change * share));
+            }
+            mean += run * (start + 0.5 * change);
+            x.push(slope.x[i]);
+            z.push(mean);
+        }
+        Self::new(x, z)
+    }
+}

@@ -1,0 +1,313 @@
+//! The Python face: conversions and nothing else. The only file that names pyo3 or numpy.
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix3, Vector3};
+use numpy::ndarray::ArrayView1;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray2};
+use pyo3::create_exception;
+use pyo3::exceptions::{PyArithmeticError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::aircraft::{self, Inertia};
+use crate::error::{Error, Result};
+use crate::extremes::Extreme;
+use crate::readout::Quantity;
+use crate::run::Pulse;
+use crate::{modes, profile, run};
+
+create_exception!(
+    runway_modal,
+    InputError,
+    PyValueError,
+    "Input that cannot be used; the message names argument, index and value."
+);
+create_exception!(
+    runway_modal,
+    NumericalError,
+    PyArithmeticError,
+    "Arithmetic that failed on input that was in order."
+);
+
+impl From<Error> for PyErr {
+    fn from(error: Error) -> Self {
+        let message = error.to_string();
+        if error.is_numerical() { NumericalError::new_err(message) } else { InputError::new_err(message) }
+    }
+}
+
+/// Runs `work` without the interpreter lock; lets Ctrl-C through.
+fn detached<T: Send>(py: Python, work: impl FnOnce(&mut Pulse) -> Result<T> + Send) -> PyResult<T> {
+    let mut signal = None;
+    let result = py.detach(|| {
+        work(&mut || {
+            Python::attach(|py| py.check_signals()).map_err(|raised| {
+                signal = Some(raised);
+                Error::Interrupted
+            })
+        })
+    });
+    match signal {
+        Some(raised) => Err(raised),
+        None => Ok(result?),
+    }
+}
+
+/// Rows of equal length as a matrix.
+fn matrix<'py>(py: Python<'py>, rows: &[Vec<f64>]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    Ok(PyArray2::from_vec2(py, rows)?)
+}
+
+fn square<'py>(py: Python<'py>, matrix: &Matrix3<f64>) -> Bound<'py, PyArray2<f64>> {
+    PyArray2::from_owned_array(py, numpy::ndarray::Array2::from_shape_fn((3, 3), |(i, j)| matrix[(i, j)]))
+}
+
+/// Points (x, y) from an array of two columns.
+fn points(array: &PyReadonlyArray2<f64>) -> Vec<(f64, f64)> {
+    array.as_array().rows().into_iter().map(|row| (row[0], row[1])).collect()
+}
+
+#[pyclass(frozen, module = "runway_modal._core")]
+struct Gear(aircraft::Gear);
+
+#[pymethods]
+impl Gear {
+    #[new]
+    fn new(name: &str, x: f64, y: f64, stiffness: f64, damping: f64) -> PyResult<Self> {
+        Ok(Self(aircraft::Gear::new(name, x, y, stiffness, damping)?))
+    }
+}
+
+#[pyclass(frozen, module = "runway_modal._core")]
+struct Aircraft(Arc<aircraft::Aircraft>);
+
+#[pymethods]
+impl Aircraft {
+    #[new]
+    fn new(
+        mass: f64,
+        pitch_inertia: f64,
+        roll_inertia: f64,
+        gravity: f64,
+        gears: Vec<Py<Gear>>,
+    ) -> PyResult<Self> {
+        let inertia = Inertia { mass, pitch: pitch_inertia, roll: roll_inertia, gravity };
+        let gears = gears.iter().map(|gear| gear.get().0.clone()).collect();
+        Ok(Self(Arc::new(aircraft::Aircraft::new(inertia, gears)?)))
+    }
+
+    fn stiffness_matrix<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        square(py, &self.0.stiffness_matrix())
+    }
+
+    fn damping_matrix<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        square(py, &self.0.damping_matrix())
+    }
+
+    fn static_load<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.0.static_load())
+    }
+}
+
+#[pyclass(frozen, module = "runway_modal._core")]
+struct Modes(Arc<modes::Modes>);
+
+#[pymethods]
+impl Modes {
+    #[staticmethod]
+    #[pyo3(signature = (aircraft, damping_ratio))]
+    fn natural(
+        py: Python,
+        aircraft: &Aircraft,
+        damping_ratio: Option<PyReadonlyArray1<f64>>,
+    ) -> PyResult<Self> {
+        let ratio = damping_ratio.map(|array| array.as_array().to_vec());
+        let aircraft = Arc::clone(&aircraft.0);
+        let modes = py.detach(|| modes::Modes::natural(aircraft, ratio.as_deref()))?;
+        Ok(Self(Arc::new(modes)))
+    }
+
+    #[staticmethod]
+    fn measured(
+        aircraft: &Aircraft,
+        omega: PyReadonlyArray1<f64>,
+        damping_ratio: PyReadonlyArray1<f64>,
+        shapes: PyReadonlyArray2<f64>,
+    ) -> PyResult<Self> {
+        let columns = shapes.as_array();
+        let columns = columns.columns().into_iter().map(|c| Vector3::new(c[0], c[1], c[2])).collect();
+        let ratio = damping_ratio.as_array().to_vec();
+        let modes =
+            modes::Modes::measured(Arc::clone(&aircraft.0), omega.as_array().to_vec(), &ratio, columns)?;
+        Ok(Self(Arc::new(modes)))
+    }
+
+    fn omega<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.0.omega())
+    }
+
+    fn damping_ratio<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.0.damping_ratio())
+    }
+
+    fn shapes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let row = |i: usize| self.0.shapes().iter().map(|shape| shape[i]).collect();
+        matrix(py, &[row(0), row(1), row(2)])
+    }
+
+    fn node<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, self.0.node())
+    }
+
+    fn damping_coupling<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        matrix(py, &self.0.damping_coupling())
+    }
+}
+
+#[pyclass(frozen, module = "runway_modal._core")]
+struct Profile(Arc<profile::Profile>);
+
+impl Profile {
+    /// A read-only view of this object's own memory.
+    fn view<'py>(slf: &Bound<'py, Self>, values: &[f64]) -> Bound<'py, PyArray1<f64>> {
+        // SAFETY: `values` lies in the Arc that `slf` holds; the class is frozen, the profile
+        // never changes, and the array keeps `slf` alive as its base.
+        let array = unsafe { PyArray1::borrow_from_array(&ArrayView1::from(values), slf.clone().into_any()) };
+        let _ = numpy::PyArrayMethods::readwrite(&array).make_nonwriteable();
+        array
+    }
+}
+
+#[pymethods]
+impl Profile {
+    #[new]
+    fn new(x: PyReadonlyArray1<f64>, z: PyReadonlyArray1<f64>) -> PyResult<Self> {
+        Ok(Self(Arc::new(profile::Profile::new(x.as_array().to_vec(), z.as_array().to_vec())?)))
+    }
+
+    #[staticmethod]
+    fn level() -> Self {
+        Self(Arc::new(profile::Profile::level()))
+    }
+
+    #[staticmethod]
+    fn one_minus_cosine(length: f64, height: f64, segments: usize, start: f64) -> PyResult<Self> {
+        Ok(Self(Arc::new(profile::Profile::one_minus_cosine(length, height, segments, start)?)))
+    }
+
+    fn x<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<f64>> {
+        Self::view(slf, slf.get().0.x())
+    }
+
+    fn z<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<f64>> {
+        Self::view(slf, slf.get().0.z())
+    }
+
+    fn elevation<'py>(&self, py: Python<'py>, stations: PyReadonlyArray1<f64>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, stations.as_array().iter().map(|&x| self.0.elevation(x)))
+    }
+
+    fn shifted(&self, dx: f64) -> PyResult<Self> {
+        Ok(Self(Arc::new(self.0.shifted(dx)?)))
+    }
+
+    fn sum(&self, other: &Self) -> PyResult<Self> {
+        Ok(Self(Arc::new(self.0.sum(&other.0)?)))
+    }
+
+    fn footprint(&self, py: Python, length: f64, tolerance: f64) -> PyResult<Self> {
+        let profile = py.detach(|| self.0.footprint(length, tolerance))?;
+        Ok(Self(Arc::new(profile)))
+    }
+}
+
+#[pyclass(frozen, module = "runway_modal._core")]
+struct Run(run::Run);
+
+#[pymethods]
+impl Run {
+    #[new]
+    fn new(modes: &Modes, profiles: Vec<Py<Profile>>, speed: f64, damping_input: bool) -> PyResult<Self> {
+        let profiles: Vec<_> = profiles.iter().map(|profile| Arc::clone(&profile.get().0)).collect();
+        Ok(Self(run::Run::new(Arc::clone(&modes.0), &profiles, speed, damping_input)?))
+    }
+
+    fn speed(&self) -> f64 {
+        self.0.speed()
+    }
+
+    fn check_times(&self, times: PyReadonlyArray1<f64>) -> PyResult<()> {
+        Ok(self.0.check_times(times.as_slice()?)?)
+    }
+
+    #[pyo3(signature = (duration))]
+    fn sample_times<'py>(
+        &self,
+        py: Python<'py>,
+        duration: Option<f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let times = detached(py, |pulse| self.0.sample_times(duration, pulse))?;
+        Ok(PyArray1::from_vec(py, times))
+    }
+
+    fn states(
+        &self,
+        py: Python,
+        times: PyReadonlyArray1<f64>,
+        mut modal: PyReadwriteArray2<f64>,
+        mut rate: PyReadwriteArray2<f64>,
+    ) -> PyResult<()> {
+        let (times, modal, rate) = (times.as_slice()?, modal.as_slice_mut()?, rate.as_slice_mut()?);
+        detached(py, |pulse| self.0.states(times, modal, rate, pulse))
+    }
+
+    /// `quantity`: "cg", "cg_rate", "cg_acceleration", "gear_displacement", "load", "elevation",
+    /// or "acceleration" at `stations`.
+    fn read(
+        &self,
+        py: Python,
+        quantity: &str,
+        stations: PyReadonlyArray2<f64>,
+        times: PyReadonlyArray1<f64>,
+        mut out: PyReadwriteArray2<f64>,
+    ) -> PyResult<()> {
+        let (times, out) = (times.as_slice()?, out.as_slice_mut()?);
+        let quantity = match quantity {
+            "elevation" => return detached(py, |pulse| self.0.elevations(times, out, pulse)),
+            "cg" => Quantity::Cg,
+            "cg_rate" => Quantity::CgRate,
+            "cg_acceleration" => Quantity::CgAcceleration,
+            "gear_displacement" => Quantity::GearDisplacement,
+            "load" => Quantity::Load,
+            "acceleration" => Quantity::Acceleration(points(&stations)),
+            other => return Err(PyValueError::new_err(format!("no quantity '{other}'"))),
+        };
+        detached(py, |pulse| self.0.read(&quantity, times, out, pulse))
+    }
+
+    /// Rows max, time of max, min, time of min; a column a gear, then a column a station.
+    fn extremes<'py>(
+        &self,
+        py: Python<'py>,
+        stations: PyReadonlyArray2<f64>,
+        begin: f64,
+        end: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let quantities = [Quantity::Load, Quantity::Acceleration(points(&stations))];
+        let found = detached(py, |pulse| self.0.extremes(&quantities, (begin, end), pulse))?;
+        let row = |part: fn(&Extreme) -> f64| found.iter().map(part).collect();
+        matrix(py, &[row(|e| e.max), row(|e| e.time_of_max), row(|e| e.min), row(|e| e.time_of_min)])
+    }
+}
+
+#[pyfunction]
+fn series(strut: f64, tire: f64) -> PyResult<f64> {
+    Ok(aircraft::series(strut, tire)?)
+}
+
+/// The Rust core of runway_modal.
+#[pymodule(gil_used = false)]
+mod _core {
+    #[pymodule_export]
+    use super::{Aircraft, Gear, InputError, Modes, NumericalError, Profile, Run, series};
+}

@@ -1,0 +1,278 @@
+//! What is read off the modal motion: one linear form an output.
+
+use nalgebra::Vector3;
+
+use crate::error::{Error, Result};
+use crate::knots::Cursor;
+use crate::march::March;
+use crate::run::{Pulse, Run};
+use crate::transition::{LANES, Lanes, State};
+
+/// Which quantity to read.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Quantity {
+    /// CG coordinates {bounce, pitch, roll} (Eq. 19).
+    Cg,
+    /// Their rates.
+    CgRate,
+    /// Their accelerations.
+    CgAcceleration,
+    /// Displacement of the body at each gear (Eq. 20).
+    GearDisplacement,
+    /// Compression load of each gear, static load included (Eq. 21, general form).
+    Load,
+    /// Vertical acceleration at points (x, y) of the body.
+    Acceleration(Vec<(f64, f64)>),
+}
+
+/// One output as a linear form of state, rates of elevation and elevations.
+///
+/// Elevations enter as differences between tracks (and one from the start), so that a runway
+/// high above its datum costs no digits.
+#[derive(Clone, Debug)]
+pub(crate) struct Form {
+    pub constant: f64,
+    pub d: Lanes,
+    pub v: Lanes,
+    p: Lanes,
+    /// One a track.
+    rate: Vec<f64>,
+    /// Entry 0: rise of the first track since the start; others: track − first track.
+    height: Vec<f64>,
+}
+
+/// The straight-line part of a form along one segment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    pub start: f64,
+    pub rate: f64,
+}
+
+impl Form {
+    fn zero(run: &Run) -> Self {
+        let none = [0.0; LANES];
+        let tracks = run.tracks.len();
+        Self { constant: 0.0, d: none, v: none, p: none, rate: vec![0.0; tracks], height: vec![0.0; tracks] }
+    }
+
+    /// Acceleration along `direction`: p̈ = −ω²d − 2ζω ṗ, plus the dampers' input.
+    fn acceleration(run: &Run, direction: Vector3<f64>) -> Self {
+        let mut form = Self::zero(run);
+        for (lane, shape) in run.modes.shapes().iter().enumerate() {
+            let omega = run.oscillators.omega[lane];
+            let scale = direction.dot(shape) * omega * omega;
+            form.d[lane] = -scale;
+            form.v[lane] = -scale * run.oscillators.two_zeta[lane];
+            for (rate, track) in form.rate.iter_mut().zip(&run.tracks) {
+                *rate += scale * track.drag[lane];
+            }
+        }
+        form
+    }
+
+    /// Displacement along `direction`; `rest` is where the run starts.
+    fn displacement(run: &Run, direction: Vector3<f64>) -> Self {
+        let mut form = Self::zero(run);
+        for (lane, shape) in run.modes.shapes().iter().enumerate() {
+            form.p[lane] = direction.dot(shape);
+        }
+        if !run.modes.statics().own {
+            // Modes that are not all of the aircraft's own start from where it stands.
+            form.constant = direction.dot(&run.rest())
+                - form.p.iter().zip(run.modal_rest()).map(|(weight, p)| weight * p).sum::<f64>();
+        }
+        form
+    }
+
+    fn velocity(run: &Run, direction: Vector3<f64>) -> Self {
+        let mut form = Self::zero(run);
+        for (lane, shape) in run.modes.shapes().iter().enumerate() {
+            form.v[lane] = direction.dot(shape) * run.oscillators.omega[lane];
+        }
+        form
+    }
+
+    /// k (u − gear displacement) + static load, and the damper's force where its input is kept.
+    fn load(run: &Run, gear: usize) -> Self {
+        let aircraft = run.modes.aircraft();
+        let statics = run.modes.statics();
+        let k = aircraft.gears()[gear].stiffness;
+        let mut form = Self::zero(run);
+        for (lane, shape) in run.modes.shapes().iter().enumerate() {
+            form.d[lane] = -k * aircraft.gears()[gear].row().dot(shape);
+        }
+        if run.damping_input {
+            let c = aircraft.gears()[gear].damping;
+            for lane in 0..LANES {
+                form.v[lane] = form.d[lane] * (c / k) * run.oscillators.omega[lane];
+            }
+            form.rate[run.track_of[gear]] = c;
+        }
+        // Elevations as heights: the first gear's rise since the start, the others above it.
+        let first: Vec<f64> = run.first_elevations().collect();
+        let mut warp = 0.0;
+        for (j, &track) in run.track_of.iter().enumerate() {
+            let (now, start) = (k * statics.unfollowed[gear][j], k * statics.warp[gear][j]);
+            form.height[0] += now;
+            if track != 0 {
+                form.height[track] += now;
+            }
+            warp += (start - now) * (first[j] - first[0]);
+        }
+        if statics.own {
+            form.height[0] = 0.0;
+        }
+        form.constant = aircraft.static_load()[gear] + warp;
+        form
+    }
+
+    /// The forms of a quantity, one an output.
+    pub fn all(run: &Run, quantity: &Quantity) -> Vec<Self> {
+        let gears = run.modes.aircraft().gears();
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+        match quantity {
+            Quantity::Cg => axes.map(|axis| Self::displacement(run, axis)).into(),
+            Quantity::CgRate => axes.map(|axis| Self::velocity(run, axis)).into(),
+            Quantity::CgAcceleration => axes.map(|axis| Self::acceleration(run, axis)).into(),
+            Quantity::GearDisplacement => {
+                gears.iter().map(|gear| Self::displacement(run, gear.row())).collect()
+            }
+            Quantity::Load => (0..gears.len()).map(|gear| Self::load(run, gear)).collect(),
+            Quantity::Acceleration(points) => {
+                points.iter().map(|&(x, y)| Self::acceleration(run, Vector3::new(1.0, x, y))).collect()
+            }
+        }
+    }
+
+    /// Whether elevations enter.
+    fn needs_heights(&self) -> bool {
+        self.height.iter().any(|&weight| weight != 0.0)
+    }
+
+    /// The part that the modal state does not carry, at heights given by [`Heights`].
+    pub fn line(&self, cursors: &[Cursor], heights: &Heights) -> Line {
+        let mut line = Line { start: self.constant, rate: 0.0 };
+        for (track, cursor) in cursors.iter().enumerate() {
+            line.start += self.rate[track] * cursor.rate + self.height[track] * heights.value[track];
+            line.rate += self.height[track] * heights.rate[track];
+        }
+        line
+    }
+
+    /// Value at a state.
+    #[inline]
+    pub fn value(&self, state: &State) -> f64 {
+        let mut sum = 0.0;
+        for i in 0..LANES {
+            sum += (self.d[i] * state.d[i] + self.v[i] * state.v[i]) + self.p[i] * state.p[i];
+        }
+        sum
+    }
+}
+
+/// Elevations of the tracks as heights (see [`Form::height`]), and their rates.
+#[derive(Clone, Debug)]
+pub(crate) struct Heights {
+    needed: bool,
+    first: f64,
+    pub value: Vec<f64>,
+    pub rate: Vec<f64>,
+}
+
+impl Heights {
+    pub fn new(run: &Run, forms: &[Form]) -> Self {
+        let none = vec![0.0; run.tracks.len()];
+        Self {
+            needed: forms.iter().any(Form::needs_heights),
+            first: run.tracks[0].profile.z()[0],
+            value: none.clone(),
+            rate: none,
+        }
+    }
+
+    /// Reads the heights at a time between the march's last knot and the next.
+    pub fn read(&mut self, march: &March, run: &Run, time: f64) {
+        if !self.needed {
+            return;
+        }
+        let distance = march.distance_at(time);
+        let cursors = &march.knots.cursors;
+        let base = cursors[0].elevation(distance, run.speed);
+        self.value[0] = base - self.first;
+        self.rate[0] = cursors[0].rate;
+        for track in 1..cursors.len() {
+            self.value[track] = cursors[track].elevation(distance, run.speed) - base;
+            self.rate[track] = cursors[track].rate - cursors[0].rate;
+        }
+    }
+}
+
+impl Run {
+    /// Modal displacements and rates at `times`, row by row, one column a mode.
+    ///
+    /// # Errors
+    /// An overflow, or what `pulse` gives.
+    pub fn states(
+        &self,
+        times: &[f64],
+        modal: &mut [f64],
+        rate: &mut [f64],
+        pulse: &mut Pulse,
+    ) -> Result<()> {
+        let width = self.modes.omega().len();
+        let mut march = March::new(self);
+        let rows = modal.chunks_exact_mut(width).zip(rate.chunks_exact_mut(width));
+        for (&time, (modal, rate)) in times.iter().zip(rows) {
+            march.advance(time, pulse)?;
+            let state = march.state_at(time);
+            for lane in 0..width {
+                modal[lane] = state.p[lane];
+                rate[lane] = state.v[lane] * self.oscillators.omega[lane];
+            }
+        }
+        // What is no longer finite stays so: the last row tells of all.
+        check_finite("modal motion", times, rate, width)
+    }
+
+    /// A quantity at `times`, row by row.
+    ///
+    /// # Errors
+    /// An overflow, or what `pulse` gives.
+    pub fn read(&self, quantity: &Quantity, times: &[f64], out: &mut [f64], pulse: &mut Pulse) -> Result<()> {
+        let forms = Form::all(self, quantity);
+        let mut heights = Heights::new(self, &forms);
+        let mut march = March::new(self);
+        for (&time, row) in times.iter().zip(out.chunks_exact_mut(forms.len())) {
+            march.advance(time, pulse)?;
+            let state = march.state_at(time);
+            heights.read(&march, self, time);
+            for (value, form) in row.iter_mut().zip(&forms) {
+                *value = form.value(&state) + form.line(&march.knots.cursors, &heights).start;
+            }
+        }
+        check_finite("a result", times, out, forms.len())
+    }
+
+    /// Elevation under each gear at `times`, row by row; at a step, after it.
+    ///
+    /// # Errors
+    /// What `pulse` gives.
+    pub fn elevations(&self, times: &[f64], out: &mut [f64], pulse: &mut Pulse) -> Result<()> {
+        let mut march = March::new(self);
+        for (&time, row) in times.iter().zip(out.chunks_exact_mut(self.track_of.len())) {
+            march.advance(time, pulse)?;
+            let distance = march.distance_at(time);
+            for (value, &track) in row.iter_mut().zip(&self.track_of) {
+                *value = march.knots.cursors[track].elevation(distance, self.speed);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn check_finite(quantity: &'static str, times: &[f64], values: &[f64], width: usize) -> Result<()> {
+    match values.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(i) => Err(Error::Overflow { quantity, time: times[i / width] }),
+    }
+}

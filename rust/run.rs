@@ -1,0 +1,247 @@
+//! One run: an aircraft in its modes, a profile under each gear, a constant speed.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use crate::distance::Distance;
+use crate::error::{Error, Place, Result, non_decreasing, positive};
+use crate::knots::Knots;
+use crate::modes::Modes;
+use crate::profile::Profile;
+use crate::transition::{LANES, Lanes, Oscillators};
+
+/// Samples a period of the fastest mode, at least, in the default time points.
+const SAMPLES_PER_PERIOD: f64 = 20.0;
+
+/// How long the default time points go on after the last gear has passed the last knot.
+const AFTER_LAST_KNOT: f64 = 5.0;
+
+/// More default time points than this are refused: they would not fit any machine.
+const MOST_SAMPLES: f64 = 1e9;
+
+/// Longest run in radians of the fastest mode: beyond it a phase has no digits left.
+const LONGEST_PHASE: f64 = 1e12;
+
+/// Asked now and then during long work whether to go on.
+pub type Pulse<'a> = dyn FnMut() -> Result<()> + 'a;
+
+/// Gears that meet the same profile at the same time.
+#[derive(Clone, Debug)]
+pub(crate) struct Track {
+    pub profile: Arc<Profile>,
+    /// Distance of the gears behind the foremost one.
+    pub lag: Distance,
+    /// Static modal displacement per elevation, φᵀK₁ ÷ ω² (Eq. 12).
+    pub lift: Lanes,
+    /// The same per rate of elevation and radian, φᵀK₁ ÷ ω³.
+    pub push: Lanes,
+    /// The dampers' share, φᵀC₁ ÷ ω²; zero unless the damping input is kept.
+    pub drag: Lanes,
+}
+
+/// A checked run, ready to be marched over.
+#[derive(Clone, Debug)]
+pub struct Run {
+    pub(crate) modes: Arc<Modes>,
+    pub(crate) tracks: Vec<Track>,
+    /// Track of each gear.
+    pub(crate) track_of: Vec<usize>,
+    pub(crate) oscillators: Oscillators,
+    pub(crate) speed: f64,
+    pub(crate) damping_input: bool,
+    fastest: f64,
+    stiffest: f64,
+}
+
+impl Run {
+    /// Sets up a run. `profiles` holds one profile a gear, in the aircraft's order.
+    ///
+    /// # Errors
+    /// A speed that is not positive, a wrong number of profiles, slopes or times that leave
+    /// the range of double precision.
+    pub fn new(
+        modes: Arc<Modes>,
+        profiles: &[Arc<Profile>],
+        speed: f64,
+        damping_input: bool,
+    ) -> Result<Self> {
+        positive("speed", speed)?;
+        if !(1e-100..1e100).contains(&speed) {
+            let place = Place::from("speed");
+            return Err(Error::OutOfRange { place, value: speed, why: "1e-100 to 1e100 is allowed" });
+        }
+        let aircraft = modes.aircraft();
+        let gears = aircraft.gears();
+        if profiles.len() != gears.len() {
+            return Err(Error::WrongLength {
+                argument: "tracks",
+                found: profiles.len(),
+                expected: gears.len(),
+                why: "one profile a gear",
+            });
+        }
+        let omega = modes.omega();
+        let oscillators = Oscillators::new(omega.iter().copied().zip(modes.damping_ratio().iter().copied()));
+        let front = gears.iter().map(|gear| gear.x).fold(f64::NEG_INFINITY, f64::max);
+        let mut tracks: Vec<Track> = Vec::new();
+        let mut track_of = Vec::with_capacity(gears.len());
+        for (gear, profile) in gears.iter().zip(profiles) {
+            let lag = Distance::sum(front, -gear.x);
+            let same = |track: &Track| Arc::ptr_eq(&track.profile, profile) && track.lag == lag;
+            let index = tracks.iter().position(same).unwrap_or_else(|| {
+                let none = [0.0; LANES];
+                tracks.push(Track { profile: Arc::clone(profile), lag, lift: none, push: none, drag: none });
+                tracks.len() - 1
+            });
+            track_of.push(index);
+            let track = &mut tracks[index];
+            for (lane, (shape, omega)) in modes.shapes().iter().zip(omega).enumerate() {
+                let travel = gear.row().dot(shape);
+                let lift = gear.stiffness * travel / omega / omega;
+                track.lift[lane] += lift;
+                track.push[lane] += lift / omega;
+                if damping_input {
+                    track.drag[lane] += gear.damping * travel / omega / omega;
+                }
+            }
+        }
+        let fastest = omega.iter().copied().fold(0.0, f64::max);
+        let stiffest = omega.iter().zip(modes.damping_ratio()).map(|(w, z)| w * (2.0 * z).max(1.0));
+        let stiffest = stiffest.fold(0.0, f64::max);
+        let run = Self { modes, tracks, track_of, oscillators, speed, damping_input, fastest, stiffest };
+        run.check_span("tracks", run.last_knot())?;
+        run.check_span("tracks", run.first_knot())?;
+        Ok(run)
+    }
+
+    /// The modes.
+    #[must_use]
+    pub fn modes(&self) -> &Arc<Modes> {
+        &self.modes
+    }
+
+    /// Ground speed.
+    #[must_use]
+    pub fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// Time at which the first gear meets the first breakpoint, 0 without any.
+    fn first_knot(&self) -> f64 {
+        Knots::new(self).upcoming_time().unwrap_or(0.0)
+    }
+
+    /// Time at which the last gear meets the last breakpoint, 0 without any.
+    fn last_knot(&self) -> f64 {
+        let uneven = self.tracks.iter().filter(|track| !track.profile.is_level());
+        let last =
+            |track: &Track| track.profile.x().last().map(|&x| track.lag.plus(x).nearest() / self.speed);
+        uneven.filter_map(last).fold(f64::NEG_INFINITY, f64::max).clamp(f64::MIN, f64::MAX)
+    }
+
+    /// Refuses times at which a phase ω t has no digits left.
+    fn check_span(&self, argument: &'static str, time: f64) -> Result<()> {
+        if time.abs() * self.stiffest < LONGEST_PHASE || self.level() {
+            Ok(())
+        } else {
+            let place = Place::from(argument);
+            Err(Error::OutOfRange {
+                place,
+                value: time,
+                why: "a time beyond 1e12 radians of the fastest mode",
+            })
+        }
+    }
+
+    fn level(&self) -> bool {
+        self.tracks.iter().all(|track| track.profile.is_level())
+    }
+
+    /// Checks times given by a caller: finite, never decreasing, at least one.
+    ///
+    /// # Errors
+    /// As said, and times too long after the start for a phase to have digits.
+    pub fn check_times(&self, times: &[f64]) -> Result<()> {
+        non_decreasing("times", times)?;
+        let (Some(first), Some(last)) = (times.first(), times.last()) else {
+            return Err(Error::TooShort { argument: "times", found: 0, least: 1 });
+        };
+        self.check_span("times", *first)?;
+        self.check_span("times", *last)
+    }
+
+    /// Time points: every knot of every gear, both sides of a vertical step, and enough between
+    /// them for a smooth plot. From 0 or the first knot until `duration`, by default until
+    /// 5 time units after the last gear has passed the last knot.
+    ///
+    /// # Errors
+    /// A duration that is not positive, or too many points.
+    pub fn sample_times(&self, duration: Option<f64>, pulse: &mut Pulse) -> Result<Vec<f64>> {
+        let begin = if self.level() { 0.0 } else { self.first_knot().min(0.0) };
+        let end = match duration {
+            Some(end) => positive("duration", end)?,
+            None => self.last_knot().max(0.0) + AFTER_LAST_KNOT,
+        };
+        self.check_span("duration", end)?;
+        let step = std::f64::consts::TAU / (self.fastest * SAMPLES_PER_PERIOD);
+        if (end - begin) / step > MOST_SAMPLES {
+            let place = Place::from("duration");
+            return Err(Error::OutOfRange {
+                place,
+                value: end,
+                why: "more than 1e9 time points; give times",
+            });
+        }
+        let mut times = vec![begin];
+        let mut fill = |until: f64, stepped: bool| {
+            let from = *times.last().unwrap_or(&begin);
+            let gap = until - from;
+            if gap > step {
+                let parts = (gap / step).ceil();
+                times.extend((1..parts as usize).map(|i| from + gap * (i as f64 / parts)));
+            }
+            // The last instant before a vertical step shows the side that the step's own time,
+            // which is after it, does not.
+            for time in [until.next_down(), until] {
+                if (stepped || time == until) && times.last().is_some_and(|&last| last < time) {
+                    times.push(time);
+                }
+            }
+        };
+        let mut knots = Knots::new(self);
+        let mut count = 0_u32;
+        while let Some(time) = knots.upcoming_time().filter(|&time| time <= end) {
+            let stepped = knots.cross(|_, _| ());
+            fill(time, stepped);
+            count = count.wrapping_add(1);
+            if count.is_multiple_of(1 << 16) {
+                pulse()?;
+            }
+        }
+        fill(end, false);
+        Ok(times)
+    }
+
+    /// CG coordinates at the start: at rest in equilibrium on the first elevations.
+    pub(crate) fn rest(&self) -> Vector3<f64> {
+        let rest = &self.modes.statics().rest;
+        rest.iter().zip(self.first_elevations()).map(|(column, u)| column * u).sum()
+    }
+
+    /// Modal coordinates at the start.
+    pub(crate) fn modal_rest(&self) -> Lanes {
+        let mut p = [0.0; LANES];
+        for track in &self.tracks {
+            for (p, lift) in p.iter_mut().zip(&track.lift) {
+                *p += lift * track.profile.z()[0];
+            }
+        }
+        p
+    }
+
+    /// First elevation under each gear.
+    pub(crate) fn first_elevations(&self) -> impl Iterator<Item = f64> {
+        self.track_of.iter().map(|&track| self.tracks[track].profile.z()[0])
+    }
+}

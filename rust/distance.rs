@@ -5,7 +5,7 @@
 //! as an unevaluated sum of two.
 
 /// `hi + lo`, |lo| ≤ half a unit in the last place of hi.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
     hi: f64,
     lo: f64,
@@ -52,6 +52,15 @@ impl Distance {
     #[must_use]
     pub fn minus(self, other: Self) -> f64 {
         (self.hi - other.hi) + (self.lo - other.lo)
+    }
+
+    /// The shorter of two distances.
+    #[inline(always)]
+    #[must_use]
+    pub fn shorter(self, other: Self) -> Self {
+        // Without branches: which gear comes next is not to be guessed.
+        let other_first = (other.hi < self.hi) | ((other.hi == self.hi) & (other.lo < self.lo));
+        if other_first { other } else { self }
     }
 
     /// The nearest double.

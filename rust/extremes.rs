@@ -212,9 +212,9 @@ struct Search<'a> {
 impl Search<'_> {
     /// Reads the straight-line parts of a segment that begins at `time` and offers its start.
     fn begin(&mut self, march: &March, heights: &mut Heights, time: f64, state: &State) {
-        heights.read(march, self.run, time);
+        heights.read(march, time);
         for output in &mut self.outputs {
-            output.line = output.form.line(&march.knots.cursors, heights);
+            output.line = output.form.line(march, heights);
             let value = output.form.value(state) + output.line.start;
             let slack = output.slack();
             output.record.offer(value, time, slack);
@@ -326,28 +326,24 @@ impl Run {
         loop {
             let from = march.state_at(time);
             search.begin(&march, &mut heights, time, &from);
-            let next = march.knots.upcoming_time().filter(|&next| next <= end);
-            let drive = march.drive;
-            if let (Some(_), true) = (next, time <= march.time()) {
+            let next = march.knots.upcoming_time();
+            let (drive, last) = (march.drive, next > end);
+            if !last && time <= march.knots.time() {
                 // The usual case: a whole segment, its transition shared with the march.
-                let dt = march.segment();
-                let whole = *march.transition(dt);
+                let dt = march.knots.dt();
+                let whole = *march.transition();
                 search.segment(&from, &drive, (time, dt), &whole, pulse)?;
                 march.cross(whole.apply(&from, &drive));
             } else {
-                let here = march.distance_at(time);
-                let there = if next.is_some() { march.knots.upcoming } else { march.distance_at(end) };
-                let dt = (there.minus(here) / self.speed).max(0.0);
+                let there = if last { march.distance_at(end) } else { march.knots.upcoming() };
+                let dt = (there.minus(march.distance_at(time)) / self.speed).max(0.0);
                 search.segment(&from, &drive, (time, dt), &bank.over(dt), pulse)?;
-                if next.is_some() {
-                    let before = march.before_knot();
-                    march.cross(before);
-                }
+                march.advance(next.min(end), pulse)?;
             }
-            match next {
-                Some(next) => time = next,
-                None => break,
+            if last {
+                break;
             }
+            time = next;
             count = count.wrapping_add(1);
             if count.is_multiple_of(1 << 16) {
                 pulse()?;

@@ -16,14 +16,11 @@ const KEPT: usize = 64;
 pub struct March<'a> {
     run: &'a Run,
     pub(crate) knots: Knots<'a>,
-    /// The last knot.
-    distance: Distance,
-    time: f64,
     /// State just after the last knot.
     pub(crate) state: State,
     /// What drives the modes until the next one.
     pub(crate) drive: Drive,
-    kept: Box<[(f64, Transition)]>,
+    kept: Box<[(f64, Transition); KEPT]>,
     crossed: u32,
 }
 
@@ -32,22 +29,20 @@ impl<'a> March<'a> {
     #[must_use]
     pub fn new(run: &'a Run) -> Self {
         let none = [0.0; LANES];
-        let knots = Knots::new(run);
         Self {
             run,
-            distance: knots.upcoming,
-            time: knots.upcoming_time().unwrap_or(f64::INFINITY),
-            knots,
+            knots: Knots::new(run),
             state: State { d: none, v: none, p: run.modal_rest() },
             drive: Drive { beta: none, gamma: none },
-            kept: vec![(0.0, run.oscillators.over(0.0)); KEPT].into(),
+            kept: Box::new([(0.0, run.oscillators.over(0.0)); KEPT]),
             crossed: 0,
         }
     }
 
-    /// The transition over `dt`, computed once for each of the lengths in use.
-    #[inline]
-    pub(crate) fn transition(&mut self, dt: f64) -> &Transition {
+    /// The transition to the next knot, computed once for each of the lengths in use.
+    #[inline(always)]
+    pub(crate) fn transition(&mut self) -> &Transition {
+        let dt = self.knots.dt();
         let slot = (dt.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58) as usize % KEPT;
         let kept = &mut self.kept[slot];
         if kept.0 != dt {
@@ -56,44 +51,30 @@ impl<'a> March<'a> {
         &kept.1
     }
 
-    /// Time from the last knot to the next.
-    #[inline]
-    pub(crate) fn segment(&self) -> f64 {
-        self.knots.upcoming.minus(self.distance) / self.run.speed
-    }
-
-    /// State just before the next knot.
-    #[inline]
-    pub(crate) fn before_knot(&mut self) -> State {
-        let (state, drive) = (self.state, self.drive);
-        let dt = self.segment();
-        self.transition(dt).apply(&state, &drive)
-    }
-
     /// Crosses the next knot from the state just before it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn cross(&mut self, before: State) {
-        self.distance = self.knots.upcoming;
-        self.time = self.knots.upcoming_time().unwrap_or(f64::INFINITY);
+        let run = self.run;
         self.state = before;
-        let (run, state) = (self.run, &mut self.state);
-        self.knots.cross(|track, height| {
+        for step in self.knots.upcoming_steps() {
             // The runway jumps, the aircraft does not; a damper in between gives it a blow.
-            let track = &run.tracks[track];
+            let track = &run.tracks[step.track];
             for i in 0..LANES {
-                state.d[i] -= track.lift[i] * height;
-                state.v[i] += track.drag[i] * run.oscillators.omega[i] * height;
+                self.state.d[i] -= track.lift[i] * step.height;
+                self.state.v[i] += track.drag[i] * run.oscillators.omega[i] * step.height;
             }
-        });
+        }
+        self.knots.cross();
         let none = [0.0; LANES];
         self.drive = Drive { beta: none, gamma: none };
-        for (track, cursor) in run.tracks.iter().zip(&self.knots.cursors) {
+        for (index, track) in run.tracks.iter().enumerate() {
+            let slope = self.knots.slope(index);
             for i in 0..LANES {
-                self.drive.beta[i] += track.push[i] * cursor.rate;
+                self.drive.beta[i] += track.climb[i] * slope;
             }
             if run.damping_input {
                 for i in 0..LANES {
-                    self.drive.gamma[i] += track.drag[i] * cursor.rate;
+                    self.drive.gamma[i] += track.drag[i] * (slope * run.speed);
                 }
             }
         }
@@ -104,10 +85,11 @@ impl<'a> March<'a> {
     ///
     /// # Errors
     /// What `pulse` gives.
-    #[inline]
+    #[inline(always)]
     pub fn advance(&mut self, time: f64, pulse: &mut Pulse) -> Result<()> {
-        while self.knots.upcoming_time().is_some_and(|next| next <= time) {
-            let before = self.before_knot();
+        while self.knots.upcoming_time() <= time {
+            let (state, drive) = (self.state, self.drive);
+            let before = self.transition().apply(&state, &drive);
             self.cross(before);
             if self.crossed.is_multiple_of(1 << 16) {
                 pulse()?;
@@ -119,23 +101,22 @@ impl<'a> March<'a> {
     /// Distance rolled at `time`; at the rounded time of the last knot, that knot itself.
     #[inline]
     pub(crate) fn distance_at(&self, time: f64) -> Distance {
-        if time <= self.time { self.distance } else { Distance::product(time, self.run.speed) }
+        if time <= self.knots.time() {
+            self.knots.distance()
+        } else {
+            Distance::product(time, self.run.speed)
+        }
     }
 
     /// State at a time between the last knot and the next.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn state_at(&self, time: f64) -> State {
-        if time <= self.time {
-            return self.state;
-        }
-        let since = self.distance_at(time).minus(self.distance) / self.run.speed;
-        self.run.oscillators.over(since.max(0.0)).apply(&self.state, &self.drive)
+        if time <= self.knots.time() { self.state } else { self.state_between(time) }
     }
 
-    /// Time of the last knot.
-    #[must_use]
-    pub(crate) fn time(&self) -> f64 {
-        self.time
+    fn state_between(&self, time: f64) -> State {
+        let since = self.distance_at(time).minus(self.knots.distance()) / self.run.speed;
+        self.run.oscillators.over(since.max(0.0)).apply(&self.state, &self.drive)
     }
 }

@@ -8,6 +8,9 @@ use crate::error::{Error, Place, Result, finite, non_decreasing, positive};
 pub struct Profile {
     x: Vec<f64>,
     z: Vec<f64>,
+    /// Slope after so many breakpoints: 0 before the first, along a vertical step, after the last.
+    slopes: Vec<f64>,
+    has_steps: bool,
 }
 
 impl Profile {
@@ -32,6 +35,7 @@ impl Profile {
         for (i, &value) in z.iter().enumerate() {
             finite(Place::at("z", i), value)?;
         }
+        let mut slopes = vec![0.0; x.len() + 1];
         for i in 1..x.len() {
             let (run, rise) = (x[i] - x[i - 1], z[i] - z[i - 1]);
             if !run.is_finite() {
@@ -42,18 +46,20 @@ impl Profile {
                     why: "the step from the station before it",
                 });
             }
-            if !rise.is_finite() || (run > 0.0 && !(rise / run).is_finite()) {
+            slopes[i] = if run > 0.0 { rise / run } else { 0.0 };
+            if !rise.is_finite() || !slopes[i].is_finite() {
                 let place = Place::at("z", i);
                 return Err(Error::OutOfRange { place, value: z[i], why: "the slope up to it" });
             }
         }
-        Ok(Self { x, z })
+        let has_steps = x.windows(2).any(|pair| pair[1] <= pair[0]);
+        Ok(Self { x, z, slopes, has_steps })
     }
 
     /// A level runway.
     #[must_use]
     pub fn level() -> Self {
-        Self { x: vec![0.0], z: vec![0.0] }
+        Self { x: vec![0.0], z: vec![0.0], slopes: vec![0.0; 2], has_steps: false }
     }
 
     /// A smooth bump z = h/2 (1 − cos 2πx/L) as chords between `segments` + 1 equidistant points.
@@ -87,6 +93,29 @@ impl Profile {
     #[must_use]
     pub fn z(&self) -> &[f64] {
         &self.z
+    }
+
+    /// Slope after so many breakpoints have been passed, n + 1 of them.
+    #[inline]
+    pub(crate) fn slopes(&self) -> &[f64] {
+        &self.slopes
+    }
+
+    /// Stations at which anything happens: none on a level runway.
+    #[inline]
+    pub(crate) fn knots(&self) -> &[f64] {
+        if self.is_level() { &[] } else { &self.x }
+    }
+
+    /// Whether there is a vertical step.
+    pub(crate) fn has_steps(&self) -> bool {
+        self.has_steps
+    }
+
+    /// Height of a vertical step that ends at the last of so many breakpoints.
+    pub(crate) fn step_before(&self, passed: usize) -> f64 {
+        let step = passed >= 2 && self.x[passed - 1] <= self.x[passed - 2];
+        if step { self.z[passed - 1] - self.z[passed - 2] } else { 0.0 }
     }
 
     /// Whether the elevation is the same everywhere by construction (one point).

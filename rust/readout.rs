@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 
 use crate::error::{Error, Result};
-use crate::knots::Cursor;
 use crate::march::March;
 use crate::run::{Pulse, Run};
 use crate::transition::{LANES, Lanes, State};
@@ -150,10 +149,11 @@ impl Form {
     }
 
     /// The part that the modal state does not carry, at heights given by [`Heights`].
-    pub fn line(&self, cursors: &[Cursor], heights: &Heights) -> Line {
+    pub fn line(&self, march: &March, heights: &Heights) -> Line {
         let mut line = Line { start: self.constant, rate: 0.0 };
-        for (track, cursor) in cursors.iter().enumerate() {
-            line.start += self.rate[track] * cursor.rate + self.height[track] * heights.value[track];
+        for track in 0..self.rate.len() {
+            line.start +=
+                self.rate[track] * heights.climb(march, track) + self.height[track] * heights.value[track];
             line.rate += self.height[track] * heights.rate[track];
         }
         line
@@ -174,6 +174,7 @@ impl Form {
 #[derive(Clone, Debug)]
 pub(crate) struct Heights {
     needed: bool,
+    speed: f64,
     first: f64,
     pub value: Vec<f64>,
     pub rate: Vec<f64>,
@@ -184,25 +185,30 @@ impl Heights {
         let none = vec![0.0; run.tracks.len()];
         Self {
             needed: forms.iter().any(Form::needs_heights),
+            speed: run.speed,
             first: run.tracks[0].profile.z()[0],
             value: none.clone(),
             rate: none,
         }
     }
 
+    /// Rate of elevation under a track.
+    fn climb(&self, march: &March, track: usize) -> f64 {
+        march.knots.slope(track) * self.speed
+    }
+
     /// Reads the heights at a time between the march's last knot and the next.
-    pub fn read(&mut self, march: &March, run: &Run, time: f64) {
+    pub fn read(&mut self, march: &March, time: f64) {
         if !self.needed {
             return;
         }
         let distance = march.distance_at(time);
-        let cursors = &march.knots.cursors;
-        let base = cursors[0].elevation(distance, run.speed);
+        let base = march.knots.elevation(0, distance);
         self.value[0] = base - self.first;
-        self.rate[0] = cursors[0].rate;
-        for track in 1..cursors.len() {
-            self.value[track] = cursors[track].elevation(distance, run.speed) - base;
-            self.rate[track] = cursors[track].rate - cursors[0].rate;
+        self.rate[0] = self.climb(march, 0);
+        for track in 1..self.value.len() {
+            self.value[track] = march.knots.elevation(track, distance) - base;
+            self.rate[track] = self.climb(march, track) - self.rate[0];
         }
     }
 }
@@ -245,9 +251,9 @@ impl Run {
         for (&time, row) in times.iter().zip(out.chunks_exact_mut(forms.len())) {
             march.advance(time, pulse)?;
             let state = march.state_at(time);
-            heights.read(&march, self, time);
+            heights.read(&march, time);
             for (value, form) in row.iter_mut().zip(&forms) {
-                *value = form.value(&state) + form.line(&march.knots.cursors, &heights).start;
+                *value = form.value(&state) + form.line(&march, &heights).start;
             }
         }
         check_finite("a result", times, out, forms.len())
@@ -263,7 +269,7 @@ impl Run {
             march.advance(time, pulse)?;
             let distance = march.distance_at(time);
             for (value, &track) in row.iter_mut().zip(&self.track_of) {
-                *value = march.knots.cursors[track].elevation(distance, self.speed);
+                *value = march.knots.elevation(track, distance);
             }
         }
         Ok(())

@@ -34,9 +34,9 @@ pub(crate) struct Track {
     pub lag: Distance,
     /// Static modal displacement per elevation, φᵀK₁ ÷ ω² (Eq. 12).
     pub lift: Lanes,
-    /// The same per rate of elevation and radian, φᵀK₁ ÷ ω³.
-    pub push: Lanes,
-    /// The dampers' share, φᵀC₁ ÷ ω²; zero unless the damping input is kept.
+    /// Its change per radian and slope, lift · speed ÷ ω.
+    pub climb: Lanes,
+    /// The dampers' share per rate of elevation, φᵀC₁ ÷ ω²; zero unless the damping input is kept.
     pub drag: Lanes,
 }
 
@@ -91,7 +91,7 @@ impl Run {
             let same = |track: &Track| Arc::ptr_eq(&track.profile, profile) && track.lag == lag;
             let index = tracks.iter().position(same).unwrap_or_else(|| {
                 let none = [0.0; LANES];
-                tracks.push(Track { profile: Arc::clone(profile), lag, lift: none, push: none, drag: none });
+                tracks.push(Track { profile: Arc::clone(profile), lag, lift: none, climb: none, drag: none });
                 tracks.len() - 1
             });
             track_of.push(index);
@@ -100,7 +100,7 @@ impl Run {
                 let travel = gear.row().dot(shape);
                 let lift = gear.stiffness * travel / omega / omega;
                 track.lift[lane] += lift;
-                track.push[lane] += lift / omega;
+                track.climb[lane] += lift * speed / omega;
                 if damping_input {
                     track.drag[lane] += gear.damping * travel / omega / omega;
                 }
@@ -129,7 +129,8 @@ impl Run {
 
     /// Time at which the first gear meets the first breakpoint, 0 without any.
     fn first_knot(&self) -> f64 {
-        Knots::new(self).upcoming_time().unwrap_or(0.0)
+        let first = Knots::new(self).upcoming_time();
+        if first < f64::INFINITY { first } else { 0.0 }
     }
 
     /// Time at which the last gear meets the last breakpoint, 0 without any.
@@ -194,26 +195,28 @@ impl Run {
             });
         }
         let mut times = vec![begin];
+        let mut last = begin;
         let mut fill = |until: f64, stepped: bool| {
-            let from = *times.last().unwrap_or(&begin);
-            let gap = until - from;
+            let gap = until - last;
             if gap > step {
                 let parts = (gap / step).ceil();
-                times.extend((1..parts as usize).map(|i| from + gap * (i as f64 / parts)));
+                times.extend((1..parts as usize).map(|i| last + gap * (i as f64 / parts)));
             }
             // The last instant before a vertical step shows the side that the step's own time,
             // which is after it, does not.
-            for time in [until.next_down(), until] {
-                if (stepped || time == until) && times.last().is_some_and(|&last| last < time) {
-                    times.push(time);
-                }
+            if stepped && until.next_down() > last {
+                times.push(until.next_down());
+            }
+            if until > last {
+                times.push(until);
+                last = until;
             }
         };
         let mut knots = Knots::new(self);
         let mut count = 0_u32;
-        while let Some(time) = knots.upcoming_time().filter(|&time| time <= end) {
-            let stepped = knots.cross(|_, _| ());
-            fill(time, stepped);
+        while knots.upcoming_time() <= end {
+            fill(knots.upcoming_time(), knots.upcoming_steps().next().is_some());
+            knots.cross();
             count = count.wrapping_add(1);
             if count.is_multiple_of(1 << 16) {
                 pulse()?;

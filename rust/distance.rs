@@ -16,7 +16,7 @@ impl Distance {
     pub const INFINITE: Self = Self { hi: f64::INFINITY, lo: 0.0 };
 
     /// a + b without rounding (Knuth).
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn sum(a: f64, b: f64) -> Self {
         let hi = a + b;
@@ -38,7 +38,7 @@ impl Distance {
     }
 
     /// This distance, `x` further.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn plus(self, x: f64) -> Self {
         let sum = Self::sum(self.hi, x);
@@ -48,7 +48,7 @@ impl Distance {
     }
 
     /// self − other, rounded once where the two are close.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn minus(self, other: Self) -> f64 {
         (self.hi - other.hi) + (self.lo - other.lo)
@@ -58,15 +58,68 @@ impl Distance {
     #[inline(always)]
     #[must_use]
     pub fn shorter(self, other: Self) -> Self {
-        // Without branches: which gear comes next is not to be guessed.
-        let other_first = (other.hi < self.hi) | ((other.hi == self.hi) & (other.lo < self.lo));
-        if other_first { other } else { self }
+        if other.hi < self.hi || (other.hi == self.hi && other.lo < self.lo) { other } else { self }
     }
 
     /// The nearest double.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn nearest(self) -> f64 {
         self.hi
+    }
+}
+
+/// `N` distances as two arrays, which plain loops run through faster than through pairs.
+#[derive(Clone, Debug)]
+pub(crate) struct Distances<const N: usize> {
+    hi: [f64; N],
+    lo: [f64; N],
+}
+
+impl<const N: usize> Distances<N> {
+    pub const INFINITE: Self = Self { hi: [f64::INFINITY; N], lo: [0.0; N] };
+
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Distance {
+        Distance { hi: self.hi[i], lo: self.lo[i] }
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, distance: Distance) {
+        (self.hi[i], self.lo[i]) = (distance.hi, distance.lo);
+    }
+
+    /// `lag` + x.
+    #[inline(always)]
+    pub fn shift(&mut self, x: &[f64; N], lag: Distance) {
+        for i in 0..N {
+            self.set(i, lag.plus(x[i]));
+        }
+    }
+
+    /// Copies `count` distances of another array.
+    #[inline(always)]
+    pub fn copy<const M: usize>(&mut self, to: usize, other: &Distances<M>, from: usize, count: usize) {
+        self.hi[to..to + count].copy_from_slice(&other.hi[from..from + count]);
+        self.lo[to..to + count].copy_from_slice(&other.lo[from..from + count]);
+    }
+
+    /// Whether `count` distances are those of another array.
+    #[inline(always)]
+    pub fn same(&self, at: usize, other: &Self, from: usize, count: usize) -> bool {
+        let differ = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(false, |any, (a, b)| any | (a != b));
+        !differ(&self.hi[at..at + count], &other.hi[from..from + count])
+            && !differ(&self.lo[at..at + count], &other.lo[from..from + count])
+    }
+
+    /// Times at which the distances are reached, and from each to the next.
+    #[inline(always)]
+    pub fn divide(&self, speed: f64, time: &mut [f64], dt: &mut [f64; N]) {
+        for (time, hi) in time.iter_mut().zip(&self.hi) {
+            *time = hi / speed;
+        }
+        for i in 1..N {
+            dt[i] = ((self.hi[i] - self.hi[i - 1]) + (self.lo[i] - self.lo[i - 1])) / speed;
+        }
     }
 }

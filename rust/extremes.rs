@@ -13,11 +13,14 @@
 //! mode long, so a level stretch with a hundred cycles is searched cycle by cycle, as far as
 //! the amplitudes left can still reach the record.
 
+use multiversion::multiversion;
+
 use crate::error::{Error, Result};
-use crate::march::March;
+use crate::lanes::{LANES, Lanes};
+use crate::march::{Segment, Visitor, march};
 use crate::readout::{Form, Heights, Line, Quantity};
 use crate::run::{Pulse, Run};
-use crate::transition::{Drive, LANES, Lanes, Oscillators, State, Transition};
+use crate::transition::{Drive, Oscillators, State, Transition};
 
 /// A value this close to the record (in units in the last place of the range) ties with it:
 /// of equal peaks the first counts.
@@ -65,35 +68,21 @@ struct Output {
 }
 
 /// Departure from the moving steady position: y and ẏ/ω.
+#[inline(always)]
 fn departure(bank: &Oscillators, drive: &Drive, state: &State) -> (Lanes, Lanes) {
-    let (mut y, mut w) = ([0.0; LANES], [0.0; LANES]);
-    for i in 0..LANES {
-        y[i] = state.d[i] - (drive.gamma[i] - bank.two_zeta[i] * drive.beta[i]);
-        w[i] = state.v[i] - drive.beta[i];
-    }
-    (y, w)
+    (state.d - (drive.gamma - bank.two_zeta * drive.beta), state.v - drive.beta)
 }
 
 /// r of the module text.
-#[inline]
+#[inline(always)]
 fn lengths(bank: &Oscillators, drive: &Drive, state: &State) -> Lanes {
     let (y, w) = departure(bank, drive, state);
-    let mut r = [0.0; LANES];
-    for i in 0..LANES {
-        r[i] = (y[i] * y[i] + w[i] * w[i]).sqrt();
-    }
-    r
-}
-
-#[inline]
-fn dot(a: &Lanes, b: &Lanes) -> f64 {
-    (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
+    (y * y + w * w).map(f64::sqrt)
 }
 
 impl Output {
     fn new(form: Form, bank: &Oscillators) -> Self {
-        let none = [0.0; LANES];
-        let (mut amplitude, mut second, mut third) = (none, none, none);
+        let (mut amplitude, mut second, mut third) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
         for i in 0..LANES {
             let (omega, two_zeta) = (bank.omega[i], bank.two_zeta[i]);
             let [a, b] = curvature(&form, bank, i);
@@ -104,7 +93,38 @@ impl Output {
         }
         let record =
             Extreme { max: f64::NEG_INFINITY, time_of_max: 0.0, min: f64::INFINITY, time_of_min: 0.0 };
-        Self { form, amplitude, second, third, line: Line { start: 0.0, rate: 0.0 }, record }
+        let line = Line { start: form.constant, rate: 0.0 };
+        Self { form, amplitude, second, third, line, record }
+    }
+
+    /// Offers the value at a state `tau` after `time`, where the line starts.
+    fn offer(&mut self, state: &State, time: f64, tau: f64) {
+        let value = self.form.value(state) + (self.line.start + self.line.rate * tau);
+        self.record.offer(value, time + tau, self.slack());
+    }
+
+    /// Searches one piece from `tau` to `tau` + `h` after `time`: its end, and its inside where
+    /// the bound does not dismiss it.
+    #[cold]
+    fn search(
+        &mut self,
+        bank: &Oscillators,
+        (from, to): (&State, &State),
+        drive: &Drive,
+        (time, tau, h): (f64, f64, f64),
+    ) {
+        self.offer(from, time, tau);
+        self.offer(to, time, tau + h);
+        for sign in [1.0, -1.0] {
+            let best = if sign > 0.0 { self.record.max } else { -self.record.min };
+            let slack = self.slack();
+            let mut climb = Climb { bank, drive, output: self, sign, slack, best, at: f64::NAN };
+            climb.search(from, to, tau, h, 0);
+            if climb.best > best {
+                let (value, at) = (sign * climb.best, time + climb.at);
+                self.record.offer(value, at, 0.0);
+            }
+        }
     }
 
     fn slack(&self) -> f64 {
@@ -153,15 +173,14 @@ impl Climb<'_> {
         }
     }
 
-    /// Searches [tau, tau + h] from the state at tau.
-    fn search(&mut self, from: &State, tau: f64, h: f64, depth: u32) {
-        let to = self.bank.over(h).apply(from, self.drive);
+    /// Searches [tau, tau + h], given the states at both ends.
+    fn search(&mut self, from: &State, to: &State, tau: f64, h: f64, depth: u32) {
         let [f0, slope0, bend0] = self.jet(from, tau);
-        let [f1, slope1, _] = self.jet(&to, tau + h);
+        let [f1, slope1, _] = self.jet(to, tau + h);
         self.offer(f0, tau);
         self.offer(f1, tau + h);
         let r = lengths(self.bank, self.drive, from);
-        let (second, third) = (dot(&self.output.second, &r), dot(&self.output.third, &r));
+        let (second, third) = (self.output.second.dot(r), self.output.third.dot(r));
         if f0.max(f1) + second * h * h / 8.0 <= self.best + self.slack {
             return;
         }
@@ -176,8 +195,8 @@ impl Climb<'_> {
         }
         let half = 0.5 * h;
         let middle = self.bank.over(half).apply(from, self.drive);
-        self.search(from, tau, half, depth + 1);
-        self.search(&middle, tau + half, half, depth + 1);
+        self.search(from, &middle, tau, half, depth + 1);
+        self.search(&middle, to, tau + half, half, depth + 1);
     }
 
     /// The one zero of F′ in a piece on which F is concave: Newton's method in a bracket.
@@ -202,40 +221,119 @@ impl Climb<'_> {
     }
 }
 
-/// The search over all outputs, piece by piece.
-struct Search<'a> {
-    run: &'a Run,
-    outputs: Vec<Output>,
-    fastest: f64,
+/// Four outputs side by side, for the test that dismisses nearly every segment.
+struct Screen {
+    /// Weights of the modes' d and v, and of their lengths in the bound on |F″|.
+    weights: [[Lanes; 3]; LANES],
+    line: Lanes,
+    rate: Lanes,
+    /// Values at the start of the next piece.
+    start: Lanes,
+    /// Records, with the slack for ties.
+    high: Lanes,
+    low: Lanes,
 }
 
-impl Search<'_> {
-    /// Reads the straight-line parts of a segment that begins at `time` and offers its start.
-    fn begin(&mut self, march: &March, heights: &mut Heights, time: f64, state: &State) {
-        heights.read(march, time);
-        for output in &mut self.outputs {
-            output.line = output.form.line(march, heights);
-            let value = output.form.value(state) + output.line.start;
-            let slack = output.slack();
-            output.record.offer(value, time, slack);
+impl Screen {
+    fn new(outputs: &[Output]) -> Self {
+        let gather = |part: &dyn Fn(&Output) -> f64| {
+            let mut lanes = Lanes::ZERO;
+            for (lane, output) in outputs.iter().enumerate() {
+                lanes[lane] = part(output);
+            }
+            lanes
+        };
+        let weights = std::array::from_fn(|mode| {
+            [
+                gather(&|output| output.form.d[mode]),
+                gather(&|output| output.form.v[mode]),
+                gather(&|output| output.second[mode]),
+            ]
+        });
+        let none = Lanes::ZERO;
+        let mut screen = Self { weights, line: none, rate: none, start: none, high: none, low: none };
+        screen.read_lines(outputs);
+        screen.read_records(outputs);
+        screen
+    }
+
+    fn read_lines(&mut self, outputs: &[Output]) {
+        for (lane, output) in outputs.iter().enumerate() {
+            (self.line[lane], self.rate[lane]) = (output.line.start, output.line.rate);
         }
     }
 
-    /// Searches a segment of length `dt` that begins at `time` with `state`.
-    fn segment(
-        &mut self,
-        from: &State,
-        drive: &Drive,
-        (time, dt): (f64, f64),
-        whole: &Transition,
-        pulse: &mut Pulse,
-    ) -> Result<()> {
-        let radians = self.fastest * dt;
-        if radians <= 1.0 {
-            self.piece(from, &whole.apply(from, drive), drive, (time, 0.0, dt));
-            return Ok(());
+    fn read_records(&mut self, outputs: &[Output]) {
+        for (lane, output) in outputs.iter().enumerate() {
+            let slack = output.slack();
+            (self.high[lane], self.low[lane]) = (output.record.max + slack, output.record.min - slack);
         }
-        let pieces = radians.ceil();
+    }
+
+    /// Values at a state `tau` after the start of the line.
+    #[inline(always)]
+    fn values(&self, state: &State, tau: f64) -> Lanes {
+        let mut sum = self.line + self.rate * tau;
+        for (mode, [d, v, _]) in self.weights.iter().enumerate() {
+            sum += *d * state.d[mode] + *v * state.v[mode];
+        }
+        sum
+    }
+
+    /// Whether a piece from the values at `start` to those at `end` could hold a record.
+    #[inline(always)]
+    fn may_hold(&self, end: Lanes, lengths: Lanes, h: f64) -> bool {
+        let mut second = Lanes::ZERO;
+        for (mode, [_, _, weight]) in self.weights.iter().enumerate() {
+            second += *weight * lengths[mode];
+        }
+        let bulge = second * (h * h / 8.0);
+        (self.start.max(end) + bulge).any_above(self.high) || self.low.any_above(self.start.min(end) - bulge)
+    }
+}
+
+/// The search over all outputs, piece by piece, between two times.
+struct Search<'a> {
+    run: &'a Run,
+    outputs: Vec<Output>,
+    screens: Vec<Screen>,
+    heights: Heights,
+    /// Whether the straight-line parts change from segment to segment.
+    has_lines: bool,
+    fastest: f64,
+    begin: f64,
+    end: f64,
+    last: State,
+}
+
+impl Search<'_> {
+    /// Takes up a segment at `time`: its straight-line parts, and the values there.
+    #[inline(always)]
+    fn begin(&mut self, segment: &Segment, time: f64, state: &State) {
+        if self.has_lines {
+            self.heights.read(segment, time);
+            for output in &mut self.outputs {
+                output.line = output.form.line(segment, &self.heights);
+            }
+        }
+        for (screen, outputs) in self.screens.iter_mut().zip(self.outputs.chunks_mut(LANES)) {
+            if self.has_lines {
+                screen.read_lines(outputs);
+            }
+            screen.start = screen.values(state, 0.0);
+            if screen.start.any_above(screen.high) || screen.low.any_above(screen.start) {
+                for output in &mut *outputs {
+                    output.offer(state, time, 0.0);
+                }
+                screen.read_records(outputs);
+            }
+        }
+    }
+
+    /// A segment of more than a radian.
+    #[cold]
+    fn long(&mut self, from: &State, drive: &Drive, (time, dt): (f64, f64), whole: &Transition) {
+        let pieces = (self.fastest * dt).ceil();
         let h = dt / pieces;
         let step = self.run.oscillators.over(h);
         let (mut state, mut count) = (*from, 0_u64);
@@ -244,61 +342,86 @@ impl Search<'_> {
             self.piece(&state, &next, drive, (time, count as f64 * h, h));
             state = next;
             count += 1;
-            if count.is_multiple_of(1 << 16) {
-                pulse()?;
-            }
         }
         // The end of the segment, which the search may have stopped short of.
         let end = whole.apply(from, drive);
         for output in &mut self.outputs {
-            let value = output.form.value(&end) + (output.line.start + output.line.rate * dt);
-            let slack = output.slack();
-            output.record.offer(value, time + dt, slack);
+            output.offer(&end, time, dt);
         }
-        Ok(())
+        for (screen, outputs) in self.screens.iter_mut().zip(self.outputs.chunks(LANES)) {
+            screen.read_records(outputs);
+        }
     }
 
     /// Whether the amplitudes left can still set a record between `tau` and `dt`.
     fn reachable(&self, state: &State, drive: &Drive, (tau, dt): (f64, f64)) -> bool {
         let bank = &self.run.oscillators;
         let r = lengths(bank, drive, state);
-        self.outputs.iter().any(|output| {
-            let steady = |i: usize| {
-                let d = drive.gamma[i] - bank.two_zeta[i] * drive.beta[i];
-                output.form.d[i] * d + output.form.v[i] * drive.beta[i]
-            };
-            let steady = (0..LANES).map(steady).sum::<f64>() + output.line.start;
-            let (a, b) = (steady + output.line.rate * tau, steady + output.line.rate * dt);
-            let swing = dot(&output.amplitude, &r);
-            let slack = output.slack();
-            a.max(b) + swing > output.record.max + slack || a.min(b) - swing < output.record.min - slack
+        let steady = drive.gamma - bank.two_zeta * drive.beta;
+        self.outputs.iter().any(|Output { form, line, amplitude, record, .. }| {
+            let level = form.d.dot(steady) + form.v.dot(drive.beta) + line.start;
+            let (a, b) = (level + line.rate * tau, level + line.rate * dt);
+            let swing = amplitude.dot(r);
+            a.max(b) + swing > record.max || a.min(b) - swing < record.min
         })
     }
 
-    /// One piece: its end, and its inside where the bound does not dismiss it.
-    #[inline]
+    /// One piece of at most a radian.
+    #[inline(always)]
     fn piece(&mut self, from: &State, to: &State, drive: &Drive, (time, tau, h): (f64, f64, f64)) {
-        let bank = &self.run.oscillators;
-        let r = lengths(bank, drive, from);
-        for output in &mut self.outputs {
-            let start = output.form.value(from) + (output.line.start + output.line.rate * tau);
-            let end = output.form.value(to) + (output.line.start + output.line.rate * (tau + h));
-            let bulge = dot(&output.second, &r) * h * h / 8.0;
-            let slack = output.slack();
-            output.record.offer(end, time + tau + h, slack);
-            for sign in [1.0, -1.0] {
-                let best = if sign > 0.0 { output.record.max } else { -output.record.min };
-                if (sign * start).max(sign * end) + bulge > best + slack {
-                    let mut climb = Climb { bank, drive, output, sign, slack, best, at: f64::NAN };
-                    climb.search(from, tau, h, 0);
-                    let (value, at) = (sign * climb.best, time + climb.at);
-                    if climb.best > best {
-                        output.record.offer(value, at, 0.0);
-                    }
+        let (y, w) = departure(&self.run.oscillators, drive, from);
+        let lengths = y.abs() + w.abs(); // ≥ r, without its root
+        for (screen, outputs) in self.screens.iter_mut().zip(self.outputs.chunks_mut(LANES)) {
+            let end = screen.values(to, tau + h);
+            if screen.may_hold(end, lengths, h) {
+                for output in &mut *outputs {
+                    output.search(&self.run.oscillators, (from, to), drive, (time, tau, h));
                 }
+                screen.read_records(outputs);
             }
+            screen.start = end;
         }
     }
+}
+
+impl Visitor for Search<'_> {
+    #[inline(always)]
+    fn visit(&mut self, segment: &Segment, whole: &Transition) {
+        if segment.end < self.begin {
+            return;
+        }
+        self.last = segment.state;
+        let inside = segment.start >= self.begin && segment.end <= self.end;
+        if inside && self.fastest * segment.dt <= 1.0 {
+            let to = whole.apply(&segment.state, &segment.drive);
+            self.begin(segment, segment.start, &segment.state);
+            self.piece(&segment.state, &to, &segment.drive, (segment.start, 0.0, segment.dt));
+        } else {
+            self.visit_part(*segment);
+        }
+    }
+}
+
+impl Search<'_> {
+    /// A long segment, or one that is only partly in the window.
+    #[cold]
+    fn visit_part(&mut self, segment: Segment) {
+        let (from, to) = (segment.start.max(self.begin), segment.end.min(self.end));
+        let state = segment.state_at(from);
+        let dt = segment.elapsed(from, to);
+        let whole = self.run.oscillators.over(dt);
+        self.begin(&segment, from, &state);
+        if self.fastest * dt <= 1.0 {
+            self.piece(&state, &whole.apply(&state, &segment.drive), &segment.drive, (from, 0.0, dt));
+        } else {
+            self.long(&state, &segment.drive, (from, dt), &whole);
+        }
+    }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn search_run(search: &mut Search, pulse: &mut Pulse) -> Result<()> {
+    march(search.run, search.end, pulse, search)
 }
 
 impl Run {
@@ -314,43 +437,26 @@ impl Run {
         pulse: &mut Pulse,
     ) -> Result<Vec<Extreme>> {
         let forms: Vec<Form> = quantities.iter().flat_map(|quantity| Form::all(self, quantity)).collect();
-        let mut heights = Heights::new(self, &forms);
         let bank = &self.oscillators;
-        let fastest = bank.omega.iter().copied().fold(0.0, f64::max);
-        let outputs = forms.into_iter().map(|form| Output::new(form, bank)).collect();
-        let mut search = Search { run: self, outputs, fastest };
-        let mut march = March::new(self);
-        march.advance(begin, pulse)?;
-        let mut time = begin;
-        let mut count = 0_u32;
-        loop {
-            let from = march.state_at(time);
-            search.begin(&march, &mut heights, time, &from);
-            let next = march.knots.upcoming_time();
-            let (drive, last) = (march.drive, next > end);
-            if !last && time <= march.knots.time() {
-                // The usual case: a whole segment, its transition shared with the march.
-                let dt = march.knots.dt();
-                let whole = *march.transition();
-                search.segment(&from, &drive, (time, dt), &whole, pulse)?;
-                march.cross(whole.apply(&from, &drive));
-            } else {
-                let there = if last { march.distance_at(end) } else { march.knots.upcoming() };
-                let dt = (there.minus(march.distance_at(time)) / self.speed).max(0.0);
-                search.segment(&from, &drive, (time, dt), &bank.over(dt), pulse)?;
-                march.advance(next.min(end), pulse)?;
-            }
-            if last {
-                break;
-            }
-            time = next;
-            count = count.wrapping_add(1);
-            if count.is_multiple_of(1 << 16) {
-                pulse()?;
-            }
-        }
+        let heights = Heights::new(self, &forms);
+        let has_lines = forms.iter().any(Form::has_line);
+        let outputs: Vec<Output> = forms.into_iter().map(|form| Output::new(form, bank)).collect();
+        let mut search = Search {
+            run: self,
+            screens: outputs.chunks(LANES).map(Screen::new).collect(),
+            outputs,
+            heights,
+            has_lines,
+            fastest: bank.omega.0.into_iter().fold(0.0, f64::max),
+            begin,
+            end,
+            last: State { d: Lanes::ZERO, v: Lanes::ZERO, p: Lanes::ZERO },
+        };
+        search_run(&mut search, pulse)?;
+        // What is no longer finite stays so, and sets no record: the last state tells of all.
+        let last = search.last.d.dot(search.last.d) + search.last.v.dot(search.last.v);
         let records: Vec<Extreme> = search.outputs.iter().map(|output| output.record).collect();
-        if records.iter().all(|r| (r.max - r.min).is_finite()) {
+        if !last.is_nan() && records.iter().all(|r| (r.max - r.min).is_finite()) {
             Ok(records)
         } else {
             Err(Error::Overflow { quantity: "an extreme", time: end })

@@ -3,7 +3,9 @@
 //! They are merged a block at a time: distances, times and lengths of segments then come out
 //! of plain loops over arrays, and the march that consumes them is not held up by divisions.
 
-use crate::distance::Distance;
+use multiversion::multiversion;
+
+use crate::distance::{Distance, Distances};
 use crate::run::{Run, Track};
 
 /// Slots of a block.
@@ -15,30 +17,38 @@ const AHEAD: usize = 64;
 /// One track's place on its profile.
 #[derive(Clone, Debug)]
 struct Cursor<'a> {
-    track: &'a Track,
+    x: &'a [f64],
+    slopes: &'a [f64],
+    lag: Distance,
     /// Breakpoints before the ones looked ahead at.
     base: usize,
     /// How many of these have been passed.
     at: usize,
     /// Where they are met; infinite past the last.
-    ahead: [Distance; AHEAD],
+    ahead: Distances<AHEAD>,
 }
 
 impl<'a> Cursor<'a> {
     fn new(track: &'a Track) -> Self {
-        let mut cursor = Self { track, base: 0, at: 0, ahead: [Distance::INFINITE; AHEAD] };
+        let (x, slopes) = (track.profile.knots(), track.profile.slopes());
+        let mut cursor = Self { x, slopes, lag: track.lag, base: 0, at: 0, ahead: Distances::INFINITE };
         cursor.look_ahead();
         cursor
     }
 
+    #[inline(always)]
     fn look_ahead(&mut self) {
         self.base += self.at;
         self.at = 0;
-        let x = self.track.profile.knots().get(self.base..).unwrap_or(&[]);
-        for (ahead, &x) in self.ahead.iter_mut().zip(x) {
-            *ahead = self.track.lag.plus(x);
+        let x = self.x.get(self.base..).unwrap_or(&[]);
+        if let Some(x) = x.first_chunk() {
+            self.ahead.shift(x, self.lag);
+        } else {
+            self.ahead = Distances::INFINITE;
+            for (i, &x) in x.iter().enumerate() {
+                self.ahead.set(i, self.lag.plus(x));
+            }
         }
-        self.ahead[x.len().min(AHEAD)..].fill(Distance::INFINITE);
     }
 }
 
@@ -46,185 +56,189 @@ impl<'a> Cursor<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
     /// Slot of its knot.
-    slot: usize,
+    pub slot: usize,
     pub track: usize,
     pub height: f64,
 }
 
-/// Merges the tracks' breakpoints and hands them out one by one.
+/// Merges the tracks' breakpoints, a block of knots at a time.
 ///
-/// A vertical step makes two knots at one distance. Slot 0 of the block is the last knot of the
-/// block before; what lies before the first knot of all counts as one.
+/// A vertical step makes two knots at one distance. Slot 0 of a block is the last knot of the
+/// block before; what lies before the first knot of all counts as one, at its distance.
 #[derive(Clone, Debug)]
 pub(crate) struct Knots<'a> {
     run: &'a Run,
     cursors: Vec<Cursor<'a>>,
-    /// Slot of the next knot; the last one crossed is in the slot before it.
-    next: usize,
     /// Slots in use.
-    len: usize,
-    distance: [Distance; SLOTS],
-    /// Rounded times, infinite after the last knot of the run.
-    time: [f64; SLOTS + 1],
+    pub len: usize,
+    distance: Distances<SLOTS>,
+    /// Rounded times: the names of instants that are known more exactly. Infinite in the slot
+    /// after the last knot of the run.
+    pub time: [f64; SLOTS + 1],
     /// Time from the knot before.
-    dt: [f64; SLOTS],
+    pub dt: [f64; SLOTS],
+    /// A row a track: the slope after each knot.
+    pub slope: Vec<[f64; SLOTS]>,
     /// A row a track: how many of its breakpoints have been passed after each knot.
     passed: Vec<[usize; SLOTS]>,
-    steps: Vec<Step>,
+    /// Vertical steps in the block, in the order of their slots.
+    pub steps: Vec<Step>,
+    /// Whether there is a vertical step anywhere.
+    pub has_steps: bool,
 }
 
 impl<'a> Knots<'a> {
+    /// The first block.
     pub fn new(run: &'a Run) -> Self {
         let cursors: Vec<Cursor> = run.tracks.iter().map(Cursor::new).collect();
         let mut knots = Self {
             run,
-            next: 1,
             len: 1,
-            distance: [Distance::INFINITE; SLOTS],
+            distance: Distances::INFINITE,
             time: [f64::INFINITY; SLOTS + 1],
             dt: [0.0; SLOTS],
+            slope: vec![[0.0; SLOTS]; cursors.len()],
             passed: vec![[0; SLOTS]; cursors.len()],
             steps: Vec::new(),
+            has_steps: run.tracks.iter().any(|track| track.profile.has_steps()),
             cursors,
         };
         // No time passes before the first knot.
-        knots.distance[0] = knots.cursors.iter().fold(Distance::INFINITE, |d, c| d.shorter(c.ahead[0]));
-        knots.merge();
+        let first = knots.cursors.iter().fold(Distance::INFINITE, |d, cursor| d.shorter(cursor.ahead.get(0)));
+        knots.distance.set(0, first);
+        knots.advance();
         knots
     }
 
-    /// Fills the block with the next knots.
-    fn merge(&mut self) {
-        let last = self.len - 1;
-        self.distance[0] = self.distance[last];
-        for passed in &mut self.passed {
-            passed[0] = passed[last];
-        }
-        // The number of tracks as a constant where it is small: its loops unroll.
-        self.len = match self.cursors.len() {
-            1 => self.merge_tracks::<1>(),
-            2 => self.merge_tracks::<2>(),
-            3 => self.merge_tracks::<3>(),
-            _ => self.merge_tracks::<0>(),
-        };
-        self.next = 1;
+    /// Goes on to the next block; whether there is one.
+    pub fn advance(&mut self) -> bool {
+        merge_block(self);
         self.find_steps();
-        let speed = self.run.speed;
-        for (time, distance) in self.time.iter_mut().zip(&self.distance) {
-            *time = distance.nearest() / speed;
-        }
-        self.time[self.len] = f64::INFINITY;
-        for i in 1..SLOTS {
-            self.dt[i] = self.distance[i].minus(self.distance[i - 1]) / speed;
-        }
+        self.len > 1
     }
 
-    /// Merges `N` tracks, all for `N` = 0, from slot 1 on; gives the slots in use.
-    fn merge_tracks<const N: usize>(&mut self) -> usize {
-        let tracks = if N == 0 { self.cursors.len() } else { N };
-        let (cursors, passed) = (&mut self.cursors[..tracks], &mut self.passed[..tracks]);
-        let mut slot = 1;
-        while slot < SLOTS {
-            // No knot passes more than one breakpoint a track: so many need no look ahead.
-            let sure = cursors.iter().map(|cursor| AHEAD - cursor.at).min().unwrap_or(0);
-            for slot_now in slot..SLOTS.min(slot + sure) {
-                let mut knot = Distance::INFINITE;
-                for cursor in &*cursors {
-                    knot = knot.shorter(cursor.ahead[cursor.at % AHEAD]);
-                }
-                if knot == Distance::INFINITE {
-                    return slot_now;
-                }
-                for (cursor, passed) in cursors.iter_mut().zip(&mut *passed) {
-                    cursor.at += usize::from(cursor.ahead[cursor.at % AHEAD] == knot);
-                    passed[slot_now] = cursor.base + cursor.at;
-                }
-                self.distance[slot_now] = knot;
-            }
-            slot += sure;
-            for cursor in cursors.iter_mut().filter(|cursor| cursor.at == AHEAD) {
-                cursor.look_ahead();
-            }
-        }
-        SLOTS
-    }
-
-    /// Finds the vertical steps at the knots of the block.
+    /// Finds the vertical steps that end at the knots of the block.
     fn find_steps(&mut self) {
         self.steps.clear();
-        for (track, passed) in self.passed.iter().enumerate() {
-            let profile = &self.run.tracks[track].profile;
-            if !profile.has_steps() {
-                continue;
-            }
-            for slot in 1..self.len {
-                let height = profile.step_before(passed[slot]);
-                if passed[slot] > passed[slot - 1] && height != 0.0 {
+        if !self.has_steps {
+            return;
+        }
+        for slot in 1..self.len {
+            for track in 0..self.passed.len() {
+                let height = self.step(slot, track, 0);
+                if height != 0.0 {
                     self.steps.push(Step { slot, track, height });
                 }
             }
         }
     }
 
-    /// Rounded time of the next knot, infinite after the last: the name of an instant that is
-    /// known more exactly.
-    #[inline(always)]
-    pub fn upcoming_time(&self) -> f64 {
-        self.time[self.next]
-    }
-
-    /// The next knot.
-    pub fn upcoming(&self) -> Distance {
-        self.distance[self.next]
-    }
-
-    /// Time from the last knot to the next.
-    #[inline(always)]
-    pub fn dt(&self) -> f64 {
-        self.dt[self.next]
-    }
-
-    /// Vertical steps at the next knot.
-    #[inline(always)]
-    pub fn upcoming_steps(&self) -> impl Iterator<Item = &Step> {
-        self.steps.iter().filter(|step| step.slot == self.next)
-    }
-
-    /// Goes past the next knot.
-    #[inline(always)]
-    pub fn cross(&mut self) {
-        self.next += 1;
-        if self.next == self.len {
-            self.merge();
+    /// Height of a vertical step that ends so many breakpoints after the one a track meets at the
+    /// knot of a slot.
+    fn step(&self, slot: usize, track: usize, after: usize) -> f64 {
+        let passed = &self.passed[track];
+        if passed[slot] > passed[slot - 1] {
+            self.run.tracks[track].profile.step_before(passed[slot] + after)
+        } else {
+            0.0
         }
     }
 
-    /// Rounded time of the last knot crossed; before any, of the first.
-    #[inline(always)]
-    pub fn time(&self) -> f64 {
-        self.time[self.next - 1]
+    /// Whether a vertical step begins at the knot of a slot; its end is the next knot.
+    pub fn begins_step(&self, slot: usize) -> bool {
+        slot < self.len && (0..self.passed.len()).any(|track| self.step(slot, track, 1) != 0.0)
     }
 
-    /// The last knot crossed; before any, the first.
-    #[inline(always)]
-    pub fn distance(&self) -> Distance {
-        self.distance[self.next - 1]
+    /// The knot of a slot.
+    pub fn distance(&self, slot: usize) -> Distance {
+        self.distance.get(slot)
     }
 
-    /// Slope under a track since the last knot.
-    #[inline(always)]
-    pub fn slope(&self, track: usize) -> f64 {
-        self.run.tracks[track].profile.slopes()[self.passed[track][self.next - 1]]
-    }
-
-    /// Elevation under a track at a distance between the last knot and the next.
-    pub fn elevation(&self, track: usize, distance: Distance) -> f64 {
-        let passed = self.passed[track][self.next - 1];
+    /// Elevation under a track at a distance between the knot of a slot and the next.
+    pub fn elevation(&self, slot: usize, track: usize, distance: Distance) -> f64 {
+        let passed = self.passed[track][slot];
         let Track { profile, lag, .. } = &self.run.tracks[track];
         let base = profile.z()[passed.saturating_sub(1)];
-        match profile.slopes()[passed] {
+        match self.slope[track][slot] {
             0.0 => base,
             slope => base + slope * distance.minus(lag.plus(profile.x()[passed - 1])),
         }
     }
+}
+
+/// Fills the block with the next knots.
+#[multiversion(targets("x86_64+avx2"))]
+fn merge_block(knots: &mut Knots) {
+    let last = knots.len - 1;
+    knots.distance.set(0, knots.distance.get(last));
+    for (slope, passed) in knots.slope.iter_mut().zip(&mut knots.passed) {
+        slope[0] = slope[last];
+        passed[0] = passed[last];
+    }
+    // The number of tracks as a constant where it is small: its loops unroll.
+    knots.len = match knots.cursors.len() {
+        1 => merge_tracks::<1>(knots),
+        2 => merge_tracks::<2>(knots),
+        3 => merge_tracks::<3>(knots),
+        _ => merge_tracks::<0>(knots),
+    };
+    let speed = knots.run.speed;
+    knots.distance.divide(speed, &mut knots.time, &mut knots.dt);
+    knots.time[knots.len] = f64::INFINITY;
+}
+
+/// Merges `N` tracks, all for `N` = 0, from slot 1 on; gives the slots in use.
+#[inline(always)]
+fn merge_tracks<const N: usize>(knots: &mut Knots) -> usize {
+    let tracks = if N == 0 { knots.cursors.len() } else { N };
+    let cursors = &mut knots.cursors[..tracks];
+    let (slope, passed) = (&mut knots.slope[..tracks], &mut knots.passed[..tracks]);
+    let mut slot = 1;
+    while slot < SLOTS {
+        // No knot passes more than one breakpoint a track: so many need no look ahead.
+        let sure = cursors.iter().map(|cursor| AHEAD - cursor.at).min().unwrap_or(0).min(SLOTS - slot);
+        if together(cursors, sure) {
+            // A grid whose lag is a whole number of spacings, or gears side by side.
+            knots.distance.copy(slot, &cursors[0].ahead, cursors[0].at, sure);
+            for track in 0..tracks {
+                let cursor = &mut cursors[track];
+                let first = cursor.base + cursor.at + 1;
+                slope[track][slot..slot + sure].copy_from_slice(&cursor.slopes[first..first + sure]);
+                for (count, passed) in passed[track][slot..slot + sure].iter_mut().enumerate() {
+                    *passed = first + count;
+                }
+                cursor.at += sure;
+            }
+        } else {
+            for slot in slot..slot + sure {
+                let mut knot = Distance::INFINITE;
+                for cursor in &*cursors {
+                    knot = knot.shorter(cursor.ahead.get(cursor.at % AHEAD));
+                }
+                if knot == Distance::INFINITE {
+                    return slot;
+                }
+                for track in 0..tracks {
+                    let cursor = &mut cursors[track];
+                    cursor.at += usize::from(cursor.ahead.get(cursor.at % AHEAD) == knot);
+                    passed[track][slot] = cursor.base + cursor.at;
+                    slope[track][slot] = cursor.slopes[cursor.base + cursor.at];
+                }
+                knots.distance.set(slot, knot);
+            }
+        }
+        slot += sure;
+        for cursor in cursors.iter_mut().filter(|cursor| cursor.at == AHEAD) {
+            cursor.look_ahead();
+        }
+    }
+    SLOTS
+}
+
+/// Whether the tracks meet their next `count` breakpoints at the same distances.
+#[inline(always)]
+fn together(cursors: &[Cursor], count: usize) -> bool {
+    let (first, others) = (&cursors[0], &cursors[1..]);
+    first.ahead.get(first.at + count - 1) != Distance::INFINITE
+        && others.iter().all(|cursor| first.ahead.same(first.at, &cursor.ahead, cursor.at, count))
 }

@@ -26,11 +26,12 @@
 //! | [`aircraft`] | gears and masses → matrices, static loads |
 //! | [`profile`] | a checked piecewise-linear profile |
 //! | [`modes`] | the eigenproblem, damping ratios, measured modes; no time |
+//! | [`lanes`] | four numbers side by side |
 //! | [`transition`] | the exact propagator of a bank of oscillators; no aircraft |
 //! | [`distance`] | distances rolled, with their rounding error |
 //! | [`run`] | modes + profiles + speed, and when to look |
 //! | `knots` | the breakpoints of all gears, merged in order |
-//! | [`march`] | knots → modal states: the segment loop |
+//! | `march` | knots → modal states: the segment loop |
 //! | [`readout`] | loads, motions and accelerations as linear forms of the state |
 //! | [`extremes`] | true maxima and minima between samples |
 //! | `python` | the only file that names Python, behind the feature `python` |
@@ -64,7 +65,8 @@ pub mod distance;
 pub mod error;
 pub mod extremes;
 mod knots;
-pub mod march;
+pub mod lanes;
+mod march;
 pub mod modes;
 pub mod profile;
 #[cfg(feature = "python")]

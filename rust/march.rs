@@ -3,120 +3,159 @@
 use crate::distance::Distance;
 use crate::error::Result;
 use crate::knots::Knots;
+use crate::lanes::Lanes;
 use crate::run::{Pulse, Run};
-use crate::transition::{Drive, LANES, State, Transition};
+use crate::transition::{Drive, State, Transition};
 
 /// Transitions kept by the bits of their Δt. Nominally equal segments differ by the rounding
 /// of their stations and then take a handful of values between them; a lag between gears
 /// splits every segment in the same two.
 const KEPT: usize = 64;
 
-/// Walks over a run from knot to knot, with the exact state at the last one.
-#[derive(Clone, Debug)]
-pub struct March<'a> {
+/// Blocks of knots between two questions whether to go on: a few milliseconds.
+const PULSE: u64 = 1 << 10;
+
+/// One segment: from a knot, crossed, to the next. The first begins before all time, at rest;
+/// the last never ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Segment<'a> {
     run: &'a Run,
-    pub(crate) knots: Knots<'a>,
-    /// State just after the last knot.
-    pub(crate) state: State,
-    /// What drives the modes until the next one.
-    pub(crate) drive: Drive,
-    kept: Box<[(f64, Transition); KEPT]>,
-    crossed: u32,
+    knots: &'a Knots<'a>,
+    /// Slot of the knot at which it begins.
+    slot: usize,
+    /// State just after that knot.
+    pub state: State,
+    /// What drives the modes until the next.
+    pub drive: Drive,
+    /// Rounded time of the knot at which it begins.
+    pub start: f64,
+    /// Rounded time of the knot at which it ends.
+    pub end: f64,
+    /// How long it is, to the last digit.
+    pub dt: f64,
 }
 
-impl<'a> March<'a> {
-    /// At rest in equilibrium on the first elevations.
-    #[must_use]
-    pub fn new(run: &'a Run) -> Self {
-        let none = [0.0; LANES];
-        Self {
-            run,
-            knots: Knots::new(run),
-            state: State { d: none, v: none, p: run.modal_rest() },
-            drive: Drive { beta: none, gamma: none },
-            kept: Box::new([(0.0, run.oscillators.over(0.0)); KEPT]),
-            crossed: 0,
-        }
-    }
-
-    /// The transition to the next knot, computed once for each of the lengths in use.
+impl Segment<'_> {
+    /// Whether a vertical step begins at its end.
     #[inline(always)]
-    pub(crate) fn transition(&mut self) -> &Transition {
-        let dt = self.knots.dt();
-        let slot = (dt.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58) as usize % KEPT;
-        let kept = &mut self.kept[slot];
-        if kept.0 != dt {
-            *kept = (dt, self.run.oscillators.over(dt));
-        }
-        &kept.1
+    pub fn ends_at_step(&self) -> bool {
+        self.knots.has_steps && self.knots.begins_step(self.slot + 1)
     }
 
-    /// Crosses the next knot from the state just before it.
+    /// Slope under a track.
     #[inline(always)]
-    pub(crate) fn cross(&mut self, before: State) {
-        let run = self.run;
-        self.state = before;
-        for step in self.knots.upcoming_steps() {
-            // The runway jumps, the aircraft does not; a damper in between gives it a blow.
-            let track = &run.tracks[step.track];
-            for i in 0..LANES {
-                self.state.d[i] -= track.lift[i] * step.height;
-                self.state.v[i] += track.drag[i] * run.oscillators.omega[i] * step.height;
-            }
-        }
-        self.knots.cross();
-        let none = [0.0; LANES];
-        self.drive = Drive { beta: none, gamma: none };
-        for (index, track) in run.tracks.iter().enumerate() {
-            let slope = self.knots.slope(index);
-            for i in 0..LANES {
-                self.drive.beta[i] += track.climb[i] * slope;
-            }
-            if run.damping_input {
-                for i in 0..LANES {
-                    self.drive.gamma[i] += track.drag[i] * (slope * run.speed);
-                }
-            }
-        }
-        self.crossed = self.crossed.wrapping_add(1);
+    pub fn slope(&self, track: usize) -> f64 {
+        self.knots.slope[track][self.slot]
     }
 
-    /// Goes on to the last knot at or before `time`.
-    ///
-    /// # Errors
-    /// What `pulse` gives.
-    #[inline(always)]
-    pub fn advance(&mut self, time: f64, pulse: &mut Pulse) -> Result<()> {
-        while self.knots.upcoming_time() <= time {
-            let (state, drive) = (self.state, self.drive);
-            let before = self.transition().apply(&state, &drive);
-            self.cross(before);
-            if self.crossed.is_multiple_of(1 << 16) {
-                pulse()?;
-            }
-        }
-        Ok(())
+    /// Elevation under a track.
+    pub fn elevation(&self, track: usize, time: f64) -> f64 {
+        self.knots.elevation(self.slot, track, self.distance(time))
     }
 
-    /// Distance rolled at `time`; at the rounded time of the last knot, that knot itself.
-    #[inline]
-    pub(crate) fn distance_at(&self, time: f64) -> Distance {
-        if time <= self.knots.time() {
-            self.knots.distance()
+    /// Distance rolled by `time`; at the rounded time of a knot, that knot itself.
+    fn distance(&self, time: f64) -> Distance {
+        if time <= self.start {
+            self.knots.distance(self.slot)
+        } else if time >= self.end {
+            self.knots.distance(self.slot + 1)
         } else {
             Distance::product(time, self.run.speed)
         }
     }
 
-    /// State at a time between the last knot and the next.
-    #[inline(always)]
-    #[must_use]
-    pub fn state_at(&self, time: f64) -> State {
-        if time <= self.knots.time() { self.state } else { self.state_between(time) }
+    /// Time between two instants, to the last digit.
+    pub fn elapsed(&self, from: f64, to: f64) -> f64 {
+        (self.distance(to).minus(self.distance(from)) / self.run.speed).max(0.0)
     }
 
-    fn state_between(&self, time: f64) -> State {
-        let since = self.distance_at(time).minus(self.knots.distance()) / self.run.speed;
-        self.run.oscillators.over(since.max(0.0)).apply(&self.state, &self.drive)
+    /// State at `time`, just before the end of the segment if that is its end.
+    #[inline(always)]
+    pub fn state_at(self, time: f64) -> State {
+        if time <= self.start { self.state } else { self.state_between(time) }
     }
+
+    // By value, and never inlined: the segment loop keeps its state in registers.
+    #[inline(never)]
+    fn state_between(self, time: f64) -> State {
+        self.run.oscillators.over(self.elapsed(self.start, time)).apply(&self.state, &self.drive)
+    }
+}
+
+/// Sees every segment of a march.
+pub(crate) trait Visitor {
+    /// `whole` is the transition over the whole segment, of no meaning for the first and last.
+    fn visit(&mut self, segment: &Segment, whole: &Transition);
+}
+
+impl<F: FnMut(&Segment)> Visitor for F {
+    fn visit(&mut self, segment: &Segment, _: &Transition) {
+        self(segment);
+    }
+}
+
+/// Visits every segment that begins at or before `end`, with the transition over the whole of
+/// it.
+///
+/// The march begins at rest in equilibrium on the first elevations.
+#[inline(always)]
+pub(crate) fn march(run: &Run, end: f64, pulse: &mut Pulse, visitor: &mut impl Visitor) -> Result<()> {
+    let bank = &run.oscillators;
+    let rest = bank.over(0.0);
+    let mut kept = [(0.0, rest); KEPT];
+    let mut place = 0;
+    let mut knots = Knots::new(run);
+    let mut state = State { d: Lanes::ZERO, v: Lanes::ZERO, p: run.modal_rest() };
+    let mut drive = Drive { beta: Lanes::ZERO, gamma: Lanes::ZERO };
+    let mut start = f64::NEG_INFINITY;
+    let mut blocks = 0_u64;
+    loop {
+        let mut step = 0;
+        for slot in 1..knots.len {
+            let dt = knots.dt[slot];
+            if kept[place].0 != dt {
+                place = (dt.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58) as usize % KEPT;
+                if kept[place].0 != dt {
+                    kept[place] = (dt, bank.over(dt));
+                }
+            }
+            let whole = &kept[place].1;
+            let end_of_segment = knots.time[slot];
+            let segment =
+                Segment { run, knots: &knots, slot: slot - 1, state, drive, start, end: end_of_segment, dt };
+            visitor.visit(&segment, whole);
+            start = end_of_segment;
+            if start > end {
+                return Ok(());
+            }
+            state = whole.apply(&state, &drive);
+            while let Some(jump) = knots.steps.get(step).filter(|jump| jump.slot == slot) {
+                // The runway jumps, the aircraft does not; a damper in between gives it a blow.
+                let track = &run.tracks[jump.track];
+                state.d -= track.lift * jump.height;
+                state.v += track.drag * bank.omega * jump.height;
+                step += 1;
+            }
+            drive.beta = Lanes::ZERO;
+            for (track, slope) in run.tracks.iter().zip(&knots.slope) {
+                drive.beta += track.climb * slope[slot];
+            }
+            if run.damping_input {
+                drive.gamma = Lanes::ZERO;
+                for (track, slope) in run.tracks.iter().zip(&knots.slope) {
+                    drive.gamma += track.drag * (slope[slot] * run.speed);
+                }
+            }
+        }
+        blocks += 1;
+        if blocks.is_multiple_of(PULSE) {
+            pulse()?;
+        }
+        if !knots.advance() {
+            break;
+        }
+    }
+    let end = f64::INFINITY;
+    visitor.visit(&Segment { run, knots: &knots, slot: 0, state, drive, start, end, dt: end }, &rest);
+    Ok(())
 }

@@ -11,6 +11,7 @@ pub struct Profile {
     /// Slope after so many breakpoints: 0 before the first, along a vertical step, after the last.
     slopes: Vec<f64>,
     has_steps: bool,
+    finest: f64,
 }
 
 impl Profile {
@@ -36,6 +37,7 @@ impl Profile {
             finite(Place::at("z", i), value)?;
         }
         let mut slopes = vec![0.0; x.len() + 1];
+        let mut finest = f64::INFINITY;
         for i in 1..x.len() {
             let (run, rise) = (x[i] - x[i - 1], z[i] - z[i - 1]);
             if !run.is_finite() {
@@ -46,20 +48,23 @@ impl Profile {
                     why: "the step from the station before it",
                 });
             }
-            slopes[i] = if run > 0.0 { rise / run } else { 0.0 };
+            if run > 0.0 {
+                slopes[i] = rise / run;
+                finest = finest.min(run);
+            }
             if !rise.is_finite() || !slopes[i].is_finite() {
                 let place = Place::at("z", i);
                 return Err(Error::OutOfRange { place, value: z[i], why: "the slope up to it" });
             }
         }
         let has_steps = x.windows(2).any(|pair| pair[1] <= pair[0]);
-        Ok(Self { x, z, slopes, has_steps })
+        Ok(Self { x, z, slopes, has_steps, finest })
     }
 
     /// A level runway.
     #[must_use]
     pub fn level() -> Self {
-        Self { x: vec![0.0], z: vec![0.0], slopes: vec![0.0; 2], has_steps: false }
+        Self { x: vec![0.0], z: vec![0.0], slopes: vec![0.0; 2], has_steps: false, finest: f64::INFINITY }
     }
 
     /// A smooth bump z = h/2 (1 − cos 2πx/L) as chords between `segments` + 1 equidistant points.
@@ -107,15 +112,23 @@ impl Profile {
         if self.is_level() { &[] } else { &self.x }
     }
 
+    /// Shortest distance between two stations, infinite on the level.
+    pub(crate) fn finest(&self) -> f64 {
+        self.finest
+    }
+
     /// Whether there is a vertical step.
+    #[inline]
     pub(crate) fn has_steps(&self) -> bool {
         self.has_steps
     }
 
     /// Height of a vertical step that ends at the last of so many breakpoints.
     pub(crate) fn step_before(&self, passed: usize) -> f64 {
-        let step = passed >= 2 && self.x[passed - 1] <= self.x[passed - 2];
-        if step { self.z[passed - 1] - self.z[passed - 2] } else { 0.0 }
+        match (self.x.get(passed.wrapping_sub(2)), self.x.get(passed - 1)) {
+            (Some(before), Some(x)) if x <= before => self.z[passed - 1] - self.z[passed - 2],
+            _ => 0.0,
+        }
     }
 
     /// Whether the elevation is the same everywhere by construction (one point).

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 use numpy::ndarray::ArrayView1;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
 use pyo3::prelude::*;
@@ -240,14 +240,25 @@ impl Run {
         Ok(self.0.check_times(times.as_slice()?)?)
     }
 
+    /// No more rows than this come from `sample`.
     #[pyo3(signature = (duration))]
-    fn sample_times<'py>(
+    fn most_samples(&self, duration: Option<f64>) -> PyResult<usize> {
+        Ok(self.0.grid(duration)?.most)
+    }
+
+    /// Fills the arrays with the default rows; gives their number.
+    #[pyo3(signature = (duration, time, modal, rate))]
+    fn sample(
         &self,
-        py: Python<'py>,
+        py: Python,
         duration: Option<f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let times = detached(py, |pulse| self.0.sample_times(duration, pulse))?;
-        Ok(PyArray1::from_vec(py, times))
+        mut time: PyReadwriteArray1<f64>,
+        mut modal: PyReadwriteArray2<f64>,
+        mut rate: PyReadwriteArray2<f64>,
+    ) -> PyResult<usize> {
+        let grid = self.0.grid(duration)?;
+        let (time, modal, rate) = (time.as_slice_mut()?, modal.as_slice_mut()?, rate.as_slice_mut()?);
+        detached(py, |pulse| self.0.sample(grid, time, modal, rate, pulse))
     }
 
     fn states(

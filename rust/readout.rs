@@ -1,11 +1,13 @@
 //! What is read off the modal motion: one linear form an output.
 
+use multiversion::multiversion;
 use nalgebra::Vector3;
 
 use crate::error::{Error, Result};
-use crate::march::March;
-use crate::run::{Pulse, Run};
-use crate::transition::{LANES, Lanes, State};
+use crate::lanes::{LANES, Lanes};
+use crate::march::{Segment, Visitor, march};
+use crate::run::{Grid, Pulse, Run};
+use crate::transition::{State, Transition};
 
 /// Which quantity to read.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,8 +51,7 @@ pub(crate) struct Line {
 
 impl Form {
     fn zero(run: &Run) -> Self {
-        let none = [0.0; LANES];
-        let tracks = run.tracks.len();
+        let (none, tracks) = (Lanes::ZERO, run.tracks.len());
         Self { constant: 0.0, d: none, v: none, p: none, rate: vec![0.0; tracks], height: vec![0.0; tracks] }
     }
 
@@ -77,8 +78,7 @@ impl Form {
         }
         if !run.modes.statics().own {
             // Modes that are not all of the aircraft's own start from where it stands.
-            form.constant = direction.dot(&run.rest())
-                - form.p.iter().zip(run.modal_rest()).map(|(weight, p)| weight * p).sum::<f64>();
+            form.constant = direction.dot(&run.rest()) - form.p.dot(run.modal_rest());
         }
         form
     }
@@ -102,9 +102,7 @@ impl Form {
         }
         if run.damping_input {
             let c = aircraft.gears()[gear].damping;
-            for lane in 0..LANES {
-                form.v[lane] = form.d[lane] * (c / k) * run.oscillators.omega[lane];
-            }
+            form.v = form.d * (c / k) * run.oscillators.omega;
             form.rate[run.track_of[gear]] = c;
         }
         // Elevations as heights: the first gear's rise since the start, the others above it.
@@ -148,12 +146,17 @@ impl Form {
         self.height.iter().any(|&weight| weight != 0.0)
     }
 
+    /// Whether anything but the modal state and a constant enters.
+    pub fn has_line(&self) -> bool {
+        self.needs_heights() || self.rate.iter().any(|&weight| weight != 0.0)
+    }
+
     /// The part that the modal state does not carry, at heights given by [`Heights`].
-    pub fn line(&self, march: &March, heights: &Heights) -> Line {
+    pub fn line(&self, segment: &Segment, heights: &Heights) -> Line {
         let mut line = Line { start: self.constant, rate: 0.0 };
         for track in 0..self.rate.len() {
-            line.start +=
-                self.rate[track] * heights.climb(march, track) + self.height[track] * heights.value[track];
+            let climb = segment.slope(track) * heights.speed;
+            line.start += self.rate[track] * climb + self.height[track] * heights.value[track];
             line.rate += self.height[track] * heights.rate[track];
         }
         line
@@ -162,11 +165,7 @@ impl Form {
     /// Value at a state.
     #[inline]
     pub fn value(&self, state: &State) -> f64 {
-        let mut sum = 0.0;
-        for i in 0..LANES {
-            sum += (self.d[i] * state.d[i] + self.v[i] * state.v[i]) + self.p[i] * state.p[i];
-        }
-        sum
+        (self.d.dot(state.d) + self.v.dot(state.v)) + self.p.dot(state.p)
     }
 }
 
@@ -192,32 +191,155 @@ impl Heights {
         }
     }
 
-    /// Rate of elevation under a track.
-    fn climb(&self, march: &March, track: usize) -> f64 {
-        march.knots.slope(track) * self.speed
-    }
-
-    /// Reads the heights at a time between the march's last knot and the next.
-    pub fn read(&mut self, march: &March, time: f64) {
+    /// Reads the heights at a time within a segment.
+    pub fn read(&mut self, segment: &Segment, time: f64) {
         if !self.needed {
             return;
         }
-        let distance = march.distance_at(time);
-        let base = march.knots.elevation(0, distance);
+        let base = segment.elevation(0, time);
         self.value[0] = base - self.first;
-        self.rate[0] = self.climb(march, 0);
+        self.rate[0] = segment.slope(0) * self.speed;
         for track in 1..self.value.len() {
-            self.value[track] = march.knots.elevation(track, distance) - base;
-            self.rate[track] = self.climb(march, track) - self.rate[0];
+            self.value[track] = segment.elevation(track, time) - base;
+            self.rate[track] = segment.slope(track) * self.speed - self.rate[0];
         }
     }
 }
 
+/// Where the rows of a run are written: displacements and rates, `width` columns each.
+struct Rows<'a> {
+    width: usize,
+    omega: Lanes,
+    modal: &'a mut [f64],
+    rate: &'a mut [f64],
+    count: usize,
+}
+
+impl Rows<'_> {
+    #[inline(always)]
+    fn push(&mut self, state: &State) {
+        let rate = state.v * self.omega;
+        let at = self.count * self.width;
+        for (out, Lanes(lanes)) in [(&mut *self.modal, state.p), (&mut *self.rate, rate)] {
+            // Idle lanes spill into the next row, which is written later.
+            match out.get_mut(at..at + LANES) {
+                Some(row) => row.copy_from_slice(&lanes),
+                None => out[at..at + self.width].copy_from_slice(&lanes[..self.width]),
+            }
+        }
+        self.count += 1;
+    }
+}
+
+/// Rows on a grid.
+struct OnGrid<'a, 'b> {
+    grid: Grid,
+    time: &'a mut [f64],
+    rows: &'a mut Rows<'b>,
+}
+
+impl OnGrid<'_, '_> {
+    #[inline(always)]
+    fn push(&mut self, time: f64, state: &State) {
+        self.time[self.rows.count] = time;
+        self.rows.push(state);
+    }
+
+    /// Rows between a segment's ends.
+    #[cold]
+    fn fill(&mut self, segment: Segment, begin: f64, end: f64) {
+        let parts = ((end - begin) / self.grid.step).ceil();
+        for part in 1..parts as usize {
+            let between = begin + (end - begin) * (part as f64 / parts);
+            self.push(between, &segment.state_at(between));
+        }
+        // The end of the grid, or the last instant before a vertical step: the step's own time
+        // shows the other side.
+        let over = segment.end > end;
+        let last = if over { end } else { end.next_down() };
+        if last > begin && (over || segment.ends_at_step()) {
+            self.push(last, &segment.state_at(last));
+        }
+    }
+}
+
+impl Visitor for OnGrid<'_, '_> {
+    #[inline(always)]
+    fn visit(&mut self, segment: &Segment, _: &Transition) {
+        // Rows are those times of a segment that lie before its end: of several knots at one
+        // rounded time the last counts.
+        let begin = segment.start.max(self.grid.begin);
+        if begin < segment.end {
+            self.push(begin, &segment.state);
+            let end = segment.end.min(self.grid.end);
+            if end - begin > self.grid.step || segment.end > end || segment.ends_at_step() {
+                self.fill(*segment, begin, end);
+            }
+        }
+    }
+}
+
+/// Rows at given times.
+struct AtTimes<'a, 'b> {
+    times: &'a [f64],
+    rows: &'a mut Rows<'b>,
+}
+
+impl Visitor for AtTimes<'_, '_> {
+    #[inline(always)]
+    fn visit(&mut self, segment: &Segment, _: &Transition) {
+        while let Some(&time) = self.times.get(self.rows.count).filter(|&&time| time < segment.end) {
+            self.rows.push(&segment.state_at(time));
+        }
+    }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn sample_grid(run: &Run, grid: Grid, time: &mut [f64], rows: &mut Rows, pulse: &mut Pulse) -> Result<()> {
+    march(run, grid.end, pulse, &mut OnGrid { grid, time, rows })
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn sample_times(run: &Run, times: &[f64], rows: &mut Rows, pulse: &mut Pulse) -> Result<()> {
+    let end = times.last().copied().unwrap_or(f64::NEG_INFINITY);
+    march(run, end, pulse, &mut AtTimes { times, rows })
+}
+
 impl Run {
+    fn rows<'a>(&self, modal: &'a mut [f64], rate: &'a mut [f64]) -> Rows<'a> {
+        Rows { width: self.modes.omega().len(), omega: self.oscillators.omega, modal, rate, count: 0 }
+    }
+
+    /// Times of a grid, modal displacements and rates at them, row by row, one column a mode.
+    /// Gives the number of rows; there is room for `grid.most`.
+    ///
+    /// # Errors
+    /// An overflow, or what `pulse` gives.
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    pub fn sample(
+        &self,
+        grid: Grid,
+        time: &mut [f64],
+        modal: &mut [f64],
+        rate: &mut [f64],
+        pulse: &mut Pulse,
+    ) -> Result<usize> {
+        let mut rows = self.rows(modal, rate);
+        sample_grid(self, grid, time, &mut rows, pulse)?;
+        let (count, width) = (rows.count, rows.width);
+        self.check_last(&time[..count], &rate[..count * width])?;
+        Ok(count)
+    }
+
     /// Modal displacements and rates at `times`, row by row, one column a mode.
     ///
     /// # Errors
     /// An overflow, or what `pulse` gives.
+    ///
+    /// # Panics
+    /// If a slice is too short.
     pub fn states(
         &self,
         times: &[f64],
@@ -225,19 +347,16 @@ impl Run {
         rate: &mut [f64],
         pulse: &mut Pulse,
     ) -> Result<()> {
+        let mut rows = self.rows(modal, rate);
+        sample_times(self, times, &mut rows, pulse)?;
+        self.check_last(times, rate)
+    }
+
+    /// What is no longer finite stays so: the last row tells of all.
+    fn check_last(&self, times: &[f64], rate: &[f64]) -> Result<()> {
         let width = self.modes.omega().len();
-        let mut march = March::new(self);
-        let rows = modal.chunks_exact_mut(width).zip(rate.chunks_exact_mut(width));
-        for (&time, (modal, rate)) in times.iter().zip(rows) {
-            march.advance(time, pulse)?;
-            let state = march.state_at(time);
-            for lane in 0..width {
-                modal[lane] = state.p[lane];
-                rate[lane] = state.v[lane] * self.oscillators.omega[lane];
-            }
-        }
-        // What is no longer finite stays so: the last row tells of all.
-        check_finite("modal motion", times, rate, width)
+        let last = rate.len().saturating_sub(width);
+        check_finite("modal motion", &times[times.len().saturating_sub(1)..], &rate[last..], width)
     }
 
     /// A quantity at `times`, row by row.
@@ -247,16 +366,18 @@ impl Run {
     pub fn read(&self, quantity: &Quantity, times: &[f64], out: &mut [f64], pulse: &mut Pulse) -> Result<()> {
         let forms = Form::all(self, quantity);
         let mut heights = Heights::new(self, &forms);
-        let mut march = March::new(self);
-        for (&time, row) in times.iter().zip(out.chunks_exact_mut(forms.len())) {
-            march.advance(time, pulse)?;
-            let state = march.state_at(time);
-            heights.read(&march, time);
-            for (value, form) in row.iter_mut().zip(&forms) {
-                *value = form.value(&state) + form.line(&march, &heights).start;
+        let width = forms.len();
+        let mut rows = times.iter().zip(out.chunks_exact_mut(width)).peekable();
+        march(self, times.last().copied().unwrap_or(0.0), pulse, &mut |segment: &Segment| {
+            while let Some((&time, row)) = rows.next_if(|row| *row.0 < segment.end) {
+                let state = segment.state_at(time);
+                heights.read(segment, time);
+                for (value, form) in row.iter_mut().zip(&forms) {
+                    *value = form.value(&state) + form.line(segment, &heights).start;
+                }
             }
-        }
-        check_finite("a result", times, out, forms.len())
+        })?;
+        check_finite("a result", times, out, width)
     }
 
     /// Elevation under each gear at `times`, row by row; at a step, after it.
@@ -264,15 +385,14 @@ impl Run {
     /// # Errors
     /// What `pulse` gives.
     pub fn elevations(&self, times: &[f64], out: &mut [f64], pulse: &mut Pulse) -> Result<()> {
-        let mut march = March::new(self);
-        for (&time, row) in times.iter().zip(out.chunks_exact_mut(self.track_of.len())) {
-            march.advance(time, pulse)?;
-            let distance = march.distance_at(time);
-            for (value, &track) in row.iter_mut().zip(&self.track_of) {
-                *value = march.knots.elevation(track, distance);
+        let mut rows = times.iter().zip(out.chunks_exact_mut(self.track_of.len())).peekable();
+        march(self, times.last().copied().unwrap_or(0.0), pulse, &mut |segment: &Segment| {
+            while let Some((&time, row)) = rows.next_if(|row| *row.0 < segment.end) {
+                for (value, &track) in row.iter_mut().zip(&self.track_of) {
+                    *value = segment.elevation(track, time);
+                }
             }
-        }
-        Ok(())
+        })
     }
 }
 

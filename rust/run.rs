@@ -6,10 +6,10 @@ use nalgebra::Vector3;
 
 use crate::distance::Distance;
 use crate::error::{Error, Place, Result, non_decreasing, positive};
-use crate::knots::Knots;
+use crate::lanes::Lanes;
 use crate::modes::Modes;
 use crate::profile::Profile;
-use crate::transition::{LANES, Lanes, Oscillators};
+use crate::transition::Oscillators;
 
 /// Samples a period of the fastest mode, at least, in the default time points.
 const SAMPLES_PER_PERIOD: f64 = 20.0;
@@ -18,7 +18,7 @@ const SAMPLES_PER_PERIOD: f64 = 20.0;
 const AFTER_LAST_KNOT: f64 = 5.0;
 
 /// More default time points than this are refused: they would not fit any machine.
-const MOST_SAMPLES: f64 = 1e9;
+const MOST_SAMPLES: f64 = 1e10;
 
 /// Longest run in radians of the fastest mode: beyond it a phase has no digits left.
 const LONGEST_PHASE: f64 = 1e12;
@@ -38,6 +38,31 @@ pub(crate) struct Track {
     pub climb: Lanes,
     /// The dampers' share per rate of elevation, φᵀC₁ ÷ ω²; zero unless the damping input is kept.
     pub drag: Lanes,
+}
+
+/// How far a gear is behind the foremost one.
+///
+/// Exactly the difference of the arms; rounded to one double where that moves no elevation by
+/// more than 1e-13 of the steepest segment's rise, so that a grid whose lag is nominally a whole
+/// number of spacings has common knots and not pairs of them a rounding error apart.
+fn lag(front: f64, x: f64, profile: &Profile) -> Distance {
+    const HARMLESS: f64 = 1e-13;
+    let exact = Distance::sum(front, -x);
+    let rounded = Distance::sum(exact.nearest(), 0.0);
+    if exact.minus(rounded).abs() <= HARMLESS * profile.finest() { rounded } else { exact }
+}
+
+/// The default time points of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// First time.
+    pub begin: f64,
+    /// Last time.
+    pub end: f64,
+    /// Largest gap.
+    pub(crate) step: f64,
+    /// No more points than this.
+    pub most: usize,
 }
 
 /// A checked run, ready to be marched over.
@@ -87,10 +112,10 @@ impl Run {
         let mut tracks: Vec<Track> = Vec::new();
         let mut track_of = Vec::with_capacity(gears.len());
         for (gear, profile) in gears.iter().zip(profiles) {
-            let lag = Distance::sum(front, -gear.x);
+            let lag = lag(front, gear.x, profile);
             let same = |track: &Track| Arc::ptr_eq(&track.profile, profile) && track.lag == lag;
             let index = tracks.iter().position(same).unwrap_or_else(|| {
-                let none = [0.0; LANES];
+                let none = Lanes::ZERO;
                 tracks.push(Track { profile: Arc::clone(profile), lag, lift: none, climb: none, drag: none });
                 tracks.len() - 1
             });
@@ -129,21 +154,21 @@ impl Run {
 
     /// Time at which the first gear meets the first breakpoint, 0 without any.
     fn first_knot(&self) -> f64 {
-        let first = Knots::new(self).upcoming_time();
-        if first < f64::INFINITY { first } else { 0.0 }
+        let first =
+            |track: &Track| track.profile.knots().first().map(|&x| track.lag.plus(x).nearest() / self.speed);
+        self.tracks.iter().filter_map(first).reduce(f64::min).unwrap_or(0.0)
     }
 
     /// Time at which the last gear meets the last breakpoint, 0 without any.
     fn last_knot(&self) -> f64 {
-        let uneven = self.tracks.iter().filter(|track| !track.profile.is_level());
         let last =
-            |track: &Track| track.profile.x().last().map(|&x| track.lag.plus(x).nearest() / self.speed);
-        uneven.filter_map(last).fold(f64::NEG_INFINITY, f64::max).clamp(f64::MIN, f64::MAX)
+            |track: &Track| track.profile.knots().last().map(|&x| track.lag.plus(x).nearest() / self.speed);
+        self.tracks.iter().filter_map(last).reduce(f64::max).unwrap_or(0.0)
     }
 
     /// Refuses times at which a phase ω t has no digits left.
     fn check_span(&self, argument: &'static str, time: f64) -> Result<()> {
-        if time.abs() * self.stiffest < LONGEST_PHASE || self.level() {
+        if time.abs() * self.stiffest < LONGEST_PHASE {
             Ok(())
         } else {
             let place = Place::from(argument);
@@ -153,10 +178,6 @@ impl Run {
                 why: "a time beyond 1e12 radians of the fastest mode",
             })
         }
-    }
-
-    fn level(&self) -> bool {
-        self.tracks.iter().all(|track| track.profile.is_level())
     }
 
     /// Checks times given by a caller: finite, never decreasing, at least one.
@@ -172,58 +193,32 @@ impl Run {
         self.check_span("times", *last)
     }
 
-    /// Time points: every knot of every gear, both sides of a vertical step, and enough between
-    /// them for a smooth plot. From 0 or the first knot until `duration`, by default until
-    /// 5 time units after the last gear has passed the last knot.
+    /// Default time points: every knot of every gear, both sides of a vertical step, and enough
+    /// between them for a smooth plot. From 0 or the first knot until `duration`, by default
+    /// until 5 time units after the last gear has passed the last knot.
     ///
     /// # Errors
     /// A duration that is not positive, or too many points.
-    pub fn sample_times(&self, duration: Option<f64>, pulse: &mut Pulse) -> Result<Vec<f64>> {
-        let begin = if self.level() { 0.0 } else { self.first_knot().min(0.0) };
+    pub fn grid(&self, duration: Option<f64>) -> Result<Grid> {
+        let begin = self.first_knot().min(0.0);
         let end = match duration {
             Some(end) => positive("duration", end)?,
             None => self.last_knot().max(0.0) + AFTER_LAST_KNOT,
         };
         self.check_span("duration", end)?;
         let step = std::f64::consts::TAU / (self.fastest * SAMPLES_PER_PERIOD);
-        if (end - begin) / step > MOST_SAMPLES {
+        let knots: usize = self.tracks.iter().map(|track| track.profile.knots().len()).sum();
+        // A knot adds at most itself, the other side of a step and one part of a gap.
+        let most = (end - begin) / step + 3.0 * knots as f64 + 3.0;
+        if most > MOST_SAMPLES {
             let place = Place::from("duration");
             return Err(Error::OutOfRange {
                 place,
                 value: end,
-                why: "more than 1e9 time points; give times",
+                why: "more than 1e10 time points; give times",
             });
         }
-        let mut times = vec![begin];
-        let mut last = begin;
-        let mut fill = |until: f64, stepped: bool| {
-            let gap = until - last;
-            if gap > step {
-                let parts = (gap / step).ceil();
-                times.extend((1..parts as usize).map(|i| last + gap * (i as f64 / parts)));
-            }
-            // The last instant before a vertical step shows the side that the step's own time,
-            // which is after it, does not.
-            if stepped && until.next_down() > last {
-                times.push(until.next_down());
-            }
-            if until > last {
-                times.push(until);
-                last = until;
-            }
-        };
-        let mut knots = Knots::new(self);
-        let mut count = 0_u32;
-        while knots.upcoming_time() <= end {
-            fill(knots.upcoming_time(), knots.upcoming_steps().next().is_some());
-            knots.cross();
-            count = count.wrapping_add(1);
-            if count.is_multiple_of(1 << 16) {
-                pulse()?;
-            }
-        }
-        fill(end, false);
-        Ok(times)
+        Ok(Grid { begin, end, step, most: most as usize })
     }
 
     /// CG coordinates at the start: at rest in equilibrium on the first elevations.
@@ -234,13 +229,7 @@ impl Run {
 
     /// Modal coordinates at the start.
     pub(crate) fn modal_rest(&self) -> Lanes {
-        let mut p = [0.0; LANES];
-        for track in &self.tracks {
-            for (p, lift) in p.iter_mut().zip(&track.lift) {
-                *p += lift * track.profile.z()[0];
-            }
-        }
-        p
+        self.tracks.iter().fold(Lanes::ZERO, |p, track| p + track.lift * track.profile.z()[0])
     }
 
     /// First elevation under each gear.

@@ -26,11 +26,7 @@
 //! E(2x) = E(x)². One path serves undamped, underdamped, critical and overdamped motion
 //! alike, and uses only +, −, × and one table: the same bits on every machine.
 
-/// Oscillators are processed in banks of this many: three modes and one idle lane.
-pub const LANES: usize = 4;
-
-/// One value an oscillator of the bank.
-pub type Lanes = [f64; LANES];
+use crate::lanes::Lanes;
 
 /// Highest power of x in the Taylor polynomial of G. At max(1, 2ζ) x = 1 the first
 /// term left out is below 2⁻⁵⁸ of the sum.
@@ -79,17 +75,15 @@ impl Transition {
     #[inline(always)]
     #[must_use]
     pub fn apply(&self, from: &State, drive: &Drive) -> State {
-        let mut to = *from;
-        for i in 0..LANES {
-            let (d, v) = (from.d[i], from.v[i]);
-            let (beta, gamma) = (drive.beta[i], drive.gamma[i]);
-            let pull = self.s[i] * v - self.g[i] * d;
-            let push = self.g[i] * gamma;
-            to.d[i] = (d - (self.h[i] * beta - push)) + pull;
-            to.p[i] = (from.p[i] + (self.k[i] * beta + push)) + pull;
-            to.v[i] = (v + (self.g[i] * beta + self.s[i] * gamma)) - (self.w[i] * v + self.s[i] * d);
+        let (d, v, p) = (from.d, from.v, from.p);
+        let (beta, gamma) = (drive.beta, drive.gamma);
+        let pull = self.s * v - self.g * d;
+        let push = self.g * gamma;
+        State {
+            d: (d - (self.h * beta - push)) + pull,
+            p: (p + (self.k * beta + push)) + pull,
+            v: (v + (self.g * beta + self.s * gamma)) - (self.w * v + self.s * d),
         }
-        to
     }
 }
 
@@ -114,11 +108,11 @@ impl Oscillators {
     #[must_use]
     pub fn new(modes: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let mut bank = Self {
-            omega: [0.0; LANES],
-            two_zeta: [0.0; LANES],
+            omega: Lanes::ZERO,
+            two_zeta: Lanes::ZERO,
             stiffest: 0.0,
-            taylor_g: [[0.0; LANES]; TERMS],
-            taylor_k: [[0.0; LANES]; TERMS],
+            taylor_g: [Lanes::ZERO; TERMS],
+            taylor_k: [Lanes::ZERO; TERMS],
         };
         for (lane, (omega, zeta)) in modes.into_iter().enumerate() {
             let two_zeta = 2.0 * zeta;
@@ -132,49 +126,35 @@ impl Oscillators {
                 let m = n as f64;
                 a[n + 2] = -(two_zeta * (m + 1.0) * a[n + 1] + a[n]) / ((m + 2.0) * (m + 1.0));
             }
-            for n in 2..=DEGREE {
-                bank.taylor_g[n - 2][lane] = a[n];
-                bank.taylor_k[n - 2][lane] = a[n] / (n as f64 + 1.0);
+            for (term, a) in a[2..].iter().enumerate() {
+                bank.taylor_g[term][lane] = *a;
+                bank.taylor_k[term][lane] = a / (term as f64 + 3.0);
             }
         }
         bank
     }
 
     /// The transition over a time `dt` ≥ 0.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn over(&self, dt: f64) -> Transition {
         let doublings = doublings(self.stiffest * dt);
-        let base = dt * power_of_half(doublings);
-        let mut x = self.omega;
-        for value in &mut x {
-            *value *= base;
-        }
-        let g_series = evaluate(&self.taylor_g, &x);
-        let k_series = evaluate(&self.taylor_k, &x);
-        let (mut g, mut s, mut w, mut k) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for i in 0..LANES {
-            let square = x[i] * x[i];
-            g[i] = square * g_series[i];
-            k[i] = (square * x[i]) * k_series[i];
-            // K + 2ζG + S = x, the equation of motion integrated once.
-            s[i] = x[i] - (k[i] + self.two_zeta[i] * g[i]);
-            w[i] = g[i] + self.two_zeta[i] * s[i];
-        }
+        let x = self.omega * (dt * power_of_half(doublings));
+        let square = x * x;
+        let mut g = square * evaluate(&self.taylor_g, x, square);
+        let mut k = (square * x) * evaluate(&self.taylor_k, x, square);
+        // K + 2ζG + S = x, the equation of motion integrated once.
+        let mut s = x - (k + self.two_zeta * g);
+        let mut w = g + self.two_zeta * s;
+        let two = Lanes::all(2.0);
         for _ in 0..doublings {
-            for i in 0..LANES {
-                let square = s[i] * s[i];
-                k[i] = 2.0 * k[i] + g[i] * (2.0 * s[i] + self.two_zeta[i] * g[i]);
-                s[i] *= 2.0 - (g[i] + w[i]);
-                g[i] = g[i] * (2.0 - g[i]) + square;
-                w[i] = w[i] * (2.0 - w[i]) + square;
-            }
+            let square = s * s;
+            k = two * k + g * (two * s + self.two_zeta * g);
+            s = s * (two - (g + w));
+            g = g * (two - g) + square;
+            w = w * (two - w) + square;
         }
-        let mut h = [0.0; LANES];
-        for i in 0..LANES {
-            h[i] = s[i] + self.two_zeta[i] * g[i];
-        }
-        Transition { g, s, w, h, k }
+        Transition { g, s, w, h: s + self.two_zeta * g, k }
     }
 }
 
@@ -193,24 +173,12 @@ fn power_of_half(n: u32) -> f64 {
 
 /// Even and odd powers apart: half the latency of one Horner chain.
 #[inline(always)]
-fn evaluate(series: &[Lanes; TERMS], x: &Lanes) -> Lanes {
-    let mut square = [0.0; LANES];
-    for i in 0..LANES {
-        square[i] = x[i] * x[i];
-    }
+fn evaluate(series: &[Lanes; TERMS], x: Lanes, square: Lanes) -> Lanes {
     let mut even = series[TERMS - 2];
     let mut odd = series[TERMS - 1];
-    let mut term = TERMS - 2;
-    while term >= 2 {
-        term -= 2;
-        for i in 0..LANES {
-            even[i] = even[i] * square[i] + series[term][i];
-            odd[i] = odd[i] * square[i] + series[term + 1][i];
-        }
+    for pair in series[..TERMS - 2].rchunks_exact(2) {
+        even = even * square + pair[0];
+        odd = odd * square + pair[1];
     }
-    let mut sum = [0.0; LANES];
-    for i in 0..LANES {
-        sum[i] = odd[i] * x[i] + even[i];
-    }
-    sum
+    odd * x + even
 }

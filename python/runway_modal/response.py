@@ -54,8 +54,10 @@ class Response:
         The run.
     modes : Modes
         Its modes.
-    time : ndarray, shape (n,)
-        Checked times.
+    times : array_like, shape (n,), optional
+        When to sample [time].
+    duration : float, optional
+        End of the default times [time].
 
     Examples
     --------
@@ -74,15 +76,34 @@ class Response:
     #: Modal rates ṗ, shape (n, m).
     modal_rate: NDArray[np.float64]
 
-    def __init__(self, run: _core.Run, modes: Modes, time: NDArray[np.float64]) -> None:
+    def __init__(
+        self,
+        run: _core.Run,
+        modes: Modes,
+        *,
+        times: ArrayLike | None = None,
+        duration: float | None = None,
+    ) -> None:
         self._run = run
         self.modes = modes
+        columns = modes.omega.size
+        if times is None:
+            # How many rows there are is known when they are there: the arrays are shrunk in
+            # place, and what they did not use was never touched.
+            most = run.most_samples(duration)
+            time, modal, rate = np.empty(most), np.empty((most, columns)), np.empty((most, columns))
+            rows = run.sample(duration, time, modal, rate)
+            time.resize(rows, refcheck=False)
+            modal.resize((rows, columns), refcheck=False)
+            rate.resize((rows, columns), refcheck=False)
+        else:
+            time = array("times", np.atleast_1d(np.asanyarray(times))).copy()
+            run.check_times(time)
+            modal, rate = np.empty((time.size, columns)), np.empty((time.size, columns))
+            run.states(time, modal, rate)
         self.time = read_only(time)
-        self.modal = np.empty((time.size, modes.omega.size))
-        self.modal_rate = np.empty_like(self.modal)
-        run.states(time, self.modal, self.modal_rate)
-        read_only(self.modal)
-        read_only(self.modal_rate)
+        self.modal = read_only(modal)
+        self.modal_rate = read_only(rate)
 
     def _read(self, quantity: str, columns: int) -> NDArray[np.float64]:
         out = np.empty((self.time.size, columns))
@@ -175,7 +196,7 @@ class Response:
         >>> response.at([0.5, 1.0]).load.shape
         (2, 3)
         """
-        return Response(self._run, self.modes, checked_times(self._run, times))
+        return Response(self._run, self.modes, times=times)
 
     def extremes(self) -> Extremes:
         """
@@ -228,9 +249,3 @@ class Response:
             f"gears {', '.join(self.modes.aircraft.gear_names)}>"
         )
 
-
-def checked_times(run: _core.Run, times: ArrayLike) -> NDArray[np.float64]:
-    """Own copy of a caller's times, checked."""
-    checked = array("times", np.atleast_1d(np.asanyarray(times))).copy()
-    run.check_times(checked)
-    return checked

@@ -12,7 +12,7 @@ from ._core import InputError
 from ._input import number
 from .modes import Modes
 from .profile import Profile
-from .response import Response, checked_times
+from .response import Response
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -89,12 +89,10 @@ def simulate(
         raise InputError(f"damping_input = {damping_input!r} is not True or False")
     profiles = [profile._core for profile in _by_gear(modes.aircraft.gear_names, tracks)]
     run = _core.Run(modes._core, profiles, number("speed", speed), bool(damping_input))
-    if times is None:
-        span = None if duration is None else number("duration", duration)
-        return Response(run, modes, run.sample_times(span))
-    if duration is not None:
+    if times is not None and duration is not None:
         raise InputError("duration ends the default times; it does not go with times")
-    return Response(run, modes, checked_times(run, times))
+    span = None if duration is None else number("duration", duration)
+    return Response(run, modes, times=times, duration=span)
 
 
 def _by_gear(names: tuple[str, ...], tracks: Profile | Mapping[str, Profile]) -> list[Profile]:

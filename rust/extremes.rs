@@ -6,8 +6,9 @@
 //!
 //! * |F″| ≤ M₂ = Σ c₂ r, so F stays below its larger end + M₂h²/8. Nearly every segment of a
 //!   finely sampled profile is dismissed by this one test.
-//! * |F″(0)| > M₃h: curvature of one sign, at most one turning point, found by Newton's method.
-//! * |F′(0)| > M₂h: no turning point at all.
+//! * F″ of one sign at both ends, |F″(0)| + |F″(h)| > M₃h: of one sign throughout, so at most one
+//!   turning point, found by Newton's method.
+//! * F′ of one sign at both ends, |F′(0)| + |F′(h)| > M₂h: no turning point at all.
 //!
 //! A piece that none of these decides is halved. Pieces are at most one radian of the fastest
 //! mode long, so a level stretch with a hundred cycles is searched cycle by cycle, as far as
@@ -57,6 +58,10 @@ impl Extreme {
 /// An output with the bounds that follow from its weights.
 struct Output {
     form: Form,
+    /// Weights of y and ẏ/ω in F′.
+    slope: [Lanes; 2],
+    /// Weights of y and ẏ/ω in F″.
+    bend: [Lanes; 2],
     /// Σ amplitude · r bounds the oscillating part.
     amplitude: Lanes,
     /// Σ second · r bounds |F″|.
@@ -82,19 +87,18 @@ fn lengths(bank: &Oscillators, drive: &Drive, state: &State) -> Lanes {
 
 impl Output {
     fn new(form: Form, bank: &Oscillators) -> Self {
-        let (mut amplitude, mut second, mut third) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
-        for i in 0..LANES {
-            let (omega, two_zeta) = (bank.omega[i], bank.two_zeta[i]);
-            let [a, b] = curvature(&form, bank, i);
-            amplitude[i] = (form.d[i] * form.d[i] + form.v[i] * form.v[i]).sqrt();
-            second[i] = (a * a + b * b).sqrt();
-            // The norm of [[0, 1], [−1, −2ζ]].
-            third[i] = second[i] * omega * (0.5 * two_zeta + (1.0 + 0.25 * two_zeta * two_zeta).sqrt());
-        }
+        // d/dt of a y + b ẏ/ω is (−ωb) y + ω(a − 2ζb) ẏ/ω.
+        let derive =
+            |[a, b]: [Lanes; 2]| [Lanes::ZERO - bank.omega * b, bank.omega * (a - bank.two_zeta * b)];
+        let length = |[a, b]: [Lanes; 2]| (a * a + b * b).map(f64::sqrt);
+        let weights = [form.d, form.v];
+        let slope = derive(weights);
+        let bend = derive(slope);
+        let (amplitude, second, third) = (length(weights), length(bend), length(derive(bend)));
         let record =
             Extreme { max: f64::NEG_INFINITY, time_of_max: 0.0, min: f64::INFINITY, time_of_min: 0.0 };
         let line = Line { start: form.constant, rate: 0.0 };
-        Self { form, amplitude, second, third, line, record }
+        Self { form, slope, bend, amplitude, second, third, line, record }
     }
 
     /// Offers the value at a state `tau` after `time`, where the line starts.
@@ -103,8 +107,8 @@ impl Output {
         self.record.offer(value, time + tau, self.slack());
     }
 
-    /// Searches one piece from `tau` to `tau` + `h` after `time`: its end, and its inside where
-    /// the bound does not dismiss it.
+    /// Searches one piece from `tau` to `tau` + `h` after `time`: its end, and its inside as far
+    /// as the bounds (sign, sign × bound) reach beyond the record.
     #[cold]
     fn search(
         &mut self,
@@ -112,17 +116,19 @@ impl Output {
         (from, to): (&State, &State),
         drive: &Drive,
         (time, tau, h): (f64, f64, f64),
+        bounds: [(f64, f64); 2],
     ) {
-        self.offer(from, time, tau);
         self.offer(to, time, tau + h);
-        for sign in [1.0, -1.0] {
+        for (sign, bound) in bounds {
             let best = if sign > 0.0 { self.record.max } else { -self.record.min };
             let slack = self.slack();
-            let mut climb = Climb { bank, drive, output: self, sign, slack, best, at: f64::NAN };
-            climb.search(from, to, tau, h, 0);
-            if climb.best > best {
-                let (value, at) = (sign * climb.best, time + climb.at);
-                self.record.offer(value, at, 0.0);
+            if bound > best + slack {
+                let mut climb = Climb { bank, drive, output: self, sign, slack, best, at: f64::NAN };
+                climb.search(from, to, tau, h, 0);
+                if climb.best > best {
+                    let (value, at) = (sign * climb.best, time + climb.at);
+                    self.record.offer(value, at, 0.0);
+                }
             }
         }
     }
@@ -131,13 +137,6 @@ impl Output {
         let slack = TIE * self.record.max.abs().max(self.record.min.abs());
         if slack.is_finite() { slack } else { 0.0 }
     }
-}
-
-/// Weights of y and ẏ/ω in F″.
-fn curvature(form: &Form, bank: &Oscillators, i: usize) -> [f64; 2] {
-    let (a, b, two_zeta) = (form.d[i], form.v[i], bank.two_zeta[i]);
-    let square = bank.omega[i] * bank.omega[i];
-    [square * (two_zeta * b - a), square * ((two_zeta * two_zeta - 1.0) * b - two_zeta * a)]
 }
 
 /// One output along one piece, upside down where a minimum is sought.
@@ -154,16 +153,11 @@ struct Climb<'a> {
 impl Climb<'_> {
     /// F, F′ and F″ at a state `tau` after the start of the line.
     fn jet(&self, state: &State, tau: f64) -> [f64; 3] {
-        let Output { form, line, .. } = self.output;
+        let Output { form, slope, bend, line, .. } = self.output;
         let (y, w) = departure(self.bank, self.drive, state);
-        let (mut slope, mut bend) = (line.rate, 0.0);
-        for i in 0..LANES {
-            let back = y[i] + self.bank.two_zeta[i] * w[i];
-            slope += self.bank.omega[i] * (form.d[i] * w[i] - form.v[i] * back);
-            let [a, b] = curvature(form, self.bank, i);
-            bend += a * y[i] + b * w[i];
-        }
         let value = form.value(state) + (line.start + line.rate * tau);
+        let slope = slope[0].dot(y) + slope[1].dot(w) + line.rate;
+        let bend = bend[0].dot(y) + bend[1].dot(w);
         [value, slope, bend].map(|part| self.sign * part)
     }
 
@@ -176,7 +170,7 @@ impl Climb<'_> {
     /// Searches [tau, tau + h], given the states at both ends.
     fn search(&mut self, from: &State, to: &State, tau: f64, h: f64, depth: u32) {
         let [f0, slope0, bend0] = self.jet(from, tau);
-        let [f1, slope1, _] = self.jet(to, tau + h);
+        let [f1, slope1, bend1] = self.jet(to, tau + h);
         self.offer(f0, tau);
         self.offer(f1, tau + h);
         let r = lengths(self.bank, self.drive, from);
@@ -184,13 +178,16 @@ impl Climb<'_> {
         if f0.max(f1) + second * h * h / 8.0 <= self.best + self.slack {
             return;
         }
-        if bend0.abs() > third * h {
+        // A function that changes no faster than `rate` and is far enough from zero at both ends
+        // has no zero between them.
+        let one_sign = |a: f64, b: f64, rate: f64| a * b > 0.0 && a.abs() + b.abs() > rate * h;
+        if one_sign(bend0, bend1, third) {
             if slope0 > 0.0 && slope1 < 0.0 {
                 self.summit(from, tau, h, slope0 / (slope0 - slope1));
             }
             return;
         }
-        if slope0.abs() > second * h || depth == MOST_STEPS {
+        if one_sign(slope0, slope1, second) || depth == MOST_STEPS {
             return;
         }
         let half = 0.5 * h;
@@ -280,15 +277,16 @@ impl Screen {
         sum
     }
 
-    /// Whether a piece from the values at `start` to those at `end` could hold a record.
+    /// What the outputs cannot exceed, nor fall below, on a piece from the values at `start` to
+    /// those at `end`.
     #[inline(always)]
-    fn may_hold(&self, end: Lanes, lengths: Lanes, h: f64) -> bool {
+    fn bounds(&self, end: Lanes, lengths: Lanes, h: f64) -> (Lanes, Lanes) {
         let mut second = Lanes::ZERO;
         for (mode, [_, _, weight]) in self.weights.iter().enumerate() {
             second += *weight * lengths[mode];
         }
         let bulge = second * (h * h / 8.0);
-        (self.start.max(end) + bulge).any_above(self.high) || self.low.any_above(self.start.min(end) - bulge)
+        (self.start.max(end) + bulge, self.start.min(end) - bulge)
     }
 }
 
@@ -337,9 +335,14 @@ impl Search<'_> {
         let h = dt / pieces;
         let step = self.run.oscillators.over(h);
         let (mut state, mut count) = (*from, 0_u64);
-        while (count as f64) < pieces && self.reachable(&state, drive, (count as f64 * h, dt)) {
+        while (count as f64) < pieces {
+            let tau = count as f64 * h;
+            // Asked once in about a cycle: whether the amplitudes left still reach a record.
+            if count.is_multiple_of(8) && !self.reachable(&state, drive, (tau, dt)) {
+                break;
+            }
             let next = step.apply(&state, drive);
-            self.piece(&state, &next, drive, (time, count as f64 * h, h));
+            self.piece(&state, &next, drive, (time, tau, h));
             state = next;
             count += 1;
         }
@@ -373,9 +376,13 @@ impl Search<'_> {
         let lengths = y.abs() + w.abs(); // ≥ r, without its root
         for (screen, outputs) in self.screens.iter_mut().zip(self.outputs.chunks_mut(LANES)) {
             let end = screen.values(to, tau + h);
-            if screen.may_hold(end, lengths, h) {
-                for output in &mut *outputs {
-                    output.search(&self.run.oscillators, (from, to), drive, (time, tau, h));
+            let (top, bottom) = screen.bounds(end, lengths, h);
+            if top.any_above(screen.high) || screen.low.any_above(bottom) {
+                for (lane, output) in outputs.iter_mut().enumerate() {
+                    if top[lane] > screen.high[lane] || bottom[lane] < screen.low[lane] {
+                        let signs = [(1.0, top[lane]), (-1.0, -bottom[lane])];
+                        output.search(&self.run.oscillators, (from, to), drive, (time, tau, h), signs);
+                    }
                 }
                 screen.read_records(outputs);
             }

@@ -1,11 +1,13 @@
 //! The march: knots in time → modal states. The segment loop, nothing else.
 
+use multiversion::multiversion;
+
 use crate::distance::Distance;
 use crate::error::Result;
 use crate::knots::Knots;
 use crate::lanes::Lanes;
 use crate::run::{Pulse, Run};
-use crate::transition::{Drive, State, Transition};
+use crate::transition::{Drive, Oscillators, State, Transition};
 
 /// Transitions kept by the bits of their Δt. Nominally equal segments differ by the rounding
 /// of their stations and then take a handful of values between them; a lag between gears
@@ -71,15 +73,19 @@ impl Segment<'_> {
 
     /// State at `time`, just before the end of the segment if that is its end.
     #[inline(always)]
-    pub fn state_at(self, time: f64) -> State {
-        if time <= self.start { self.state } else { self.state_between(time) }
+    pub fn state_at(&self, time: f64) -> State {
+        if time <= self.start {
+            self.state
+        } else {
+            // By value: the segment loop keeps its state in registers.
+            propagate(&self.run.oscillators, self.elapsed(self.start, time), self.state, self.drive)
+        }
     }
+}
 
-    // By value, and never inlined: the segment loop keeps its state in registers.
-    #[inline(never)]
-    fn state_between(self, time: f64) -> State {
-        self.run.oscillators.over(self.elapsed(self.start, time)).apply(&self.state, &self.drive)
-    }
+#[multiversion(targets("x86_64+avx2"))]
+fn propagate(bank: &Oscillators, dt: f64, state: State, drive: Drive) -> State {
+    bank.over(dt).apply(&state, &drive)
 }
 
 /// Sees every segment of a march.

@@ -268,11 +268,12 @@ impl Visitor for OnGrid<'_, '_> {
     fn visit(&mut self, segment: &Segment, _: &Transition) {
         // Rows are those times of a segment that lie before its end: of several knots at one
         // rounded time the last counts.
-        let begin = segment.start.max(self.grid.begin);
+        let Grid { begin: first, end: last, step, .. } = self.grid;
+        let begin = if segment.start > first { segment.start } else { first };
         if begin < segment.end {
             self.push(begin, &segment.state);
-            let end = segment.end.min(self.grid.end);
-            if end - begin > self.grid.step || segment.end > end || segment.ends_at_step() {
+            let end = if segment.end < last { segment.end } else { last };
+            if end - begin > step || segment.end > last || segment.ends_at_step() {
                 self.fill(*segment, begin, end);
             }
         }

@@ -20,8 +20,9 @@ use crate::error::{Error, Result};
 use crate::lanes::{LANES, Lanes};
 use crate::march::{Segment, Visitor, march};
 use crate::readout::{Form, Heights, Line, Quantity};
-use crate::run::{Pulse, Run};
+use crate::run::Run;
 use crate::transition::{Drive, Oscillators, State, Transition};
+use crate::watch::{Pulse, Watch};
 
 /// A value this close to the record (in units in the last place of the range) ties with it:
 /// of equal peaks the first counts.
@@ -302,6 +303,7 @@ struct Search<'a> {
     begin: f64,
     end: f64,
     last: State,
+    watch: Watch<'a>,
 }
 
 impl Search<'_> {
@@ -338,7 +340,8 @@ impl Search<'_> {
         while (count as f64) < pieces {
             let tau = count as f64 * h;
             // Asked once in about a cycle: whether the amplitudes left still reach a record.
-            if count.is_multiple_of(8) && !self.reachable(&state, drive, (tau, dt)) {
+            let cycle = count.is_multiple_of(8);
+            if cycle && !(self.watch.go_on(8) && self.reachable(&state, drive, (tau, dt))) {
                 break;
             }
             let next = step.apply(&state, drive);
@@ -407,6 +410,11 @@ impl Visitor for Search<'_> {
             self.visit_part(*segment);
         }
     }
+
+    #[inline(always)]
+    fn go_on(&mut self, work: u32) -> bool {
+        self.watch.go_on(work)
+    }
 }
 
 impl Search<'_> {
@@ -427,8 +435,8 @@ impl Search<'_> {
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn search_run(search: &mut Search, pulse: &mut Pulse) -> Result<()> {
-    march(search.run, search.end, pulse, search)
+fn search_run(search: &mut Search) {
+    march(search.run, search.end, search);
 }
 
 impl Run {
@@ -441,7 +449,7 @@ impl Run {
         &self,
         quantities: &[Quantity],
         (begin, end): (f64, f64),
-        pulse: &mut Pulse,
+        pulse: Pulse,
     ) -> Result<Vec<Extreme>> {
         let forms: Vec<Form> = quantities.iter().flat_map(|quantity| Form::all(self, quantity)).collect();
         let bank = &self.oscillators;
@@ -458,8 +466,10 @@ impl Run {
             begin,
             end,
             last: State { d: Lanes::ZERO, v: Lanes::ZERO, p: Lanes::ZERO },
+            watch: Watch::new(pulse),
         };
-        search_run(&mut search, pulse)?;
+        search_run(&mut search);
+        search.watch.outcome?;
         // What is no longer finite stays so, and sets no record: the last state tells of all.
         let last = search.last.d.dot(search.last.d) + search.last.v.dot(search.last.v);
         let records: Vec<Extreme> = search.outputs.iter().map(|output| output.record).collect();

@@ -9,7 +9,7 @@ use crate::distance::{Distance, Distances};
 use crate::run::{Run, Track};
 
 /// Slots of a block.
-const SLOTS: usize = 128;
+pub(crate) const SLOTS: usize = 128;
 
 /// Breakpoints of one track looked ahead at.
 const AHEAD: usize = 64;

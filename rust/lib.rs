@@ -28,11 +28,13 @@
 //! | [`modes`] | the eigenproblem, damping ratios, measured modes; no time |
 //! | [`lanes`] | four numbers side by side |
 //! | [`transition`] | the exact propagator of a bank of oscillators; no aircraft |
+//! | [`watch`] | long work that its caller can stop |
 //! | [`distance`] | distances rolled, with their rounding error |
 //! | [`run`] | modes + profiles + speed, and when to look |
 //! | `knots` | the breakpoints of all gears, merged in order |
 //! | `march` | knots → modal states: the segment loop |
 //! | [`readout`] | loads, motions and accelerations as linear forms of the state |
+//! | [`sample`] | rows of results at the default times or at any |
 //! | [`extremes`] | true maxima and minima between samples |
 //! | `python` | the only file that names Python, behind the feature `python` |
 //!
@@ -73,4 +75,6 @@ pub mod profile;
 mod python;
 pub mod readout;
 pub mod run;
+pub mod sample;
 pub mod transition;
+pub mod watch;

@@ -3,19 +3,15 @@
 use multiversion::multiversion;
 
 use crate::distance::Distance;
-use crate::error::Result;
-use crate::knots::Knots;
+use crate::knots::{Knots, SLOTS};
 use crate::lanes::Lanes;
-use crate::run::{Pulse, Run};
+use crate::run::Run;
 use crate::transition::{Drive, Oscillators, State, Transition};
 
 /// Transitions kept by the bits of their Δt. Nominally equal segments differ by the rounding
 /// of their stations and then take a handful of values between them; a lag between gears
 /// splits every segment in the same two.
 const KEPT: usize = 64;
-
-/// Blocks of knots between two questions whether to go on: a few milliseconds.
-const PULSE: u64 = 1 << 10;
 
 /// One segment: from a knot, crossed, to the next. The first begins before all time, at rest;
 /// the last never ends.
@@ -92,20 +88,17 @@ fn propagate(bank: &Oscillators, dt: f64, state: State, drive: Drive) -> State {
 pub(crate) trait Visitor {
     /// `whole` is the transition over the whole segment, of no meaning for the first and last.
     fn visit(&mut self, segment: &Segment, whole: &Transition);
-}
 
-impl<F: FnMut(&Segment)> Visitor for F {
-    fn visit(&mut self, segment: &Segment, _: &Transition) {
-        self(segment);
-    }
+    /// Whether to go on after `work` more knots.
+    fn go_on(&mut self, work: u32) -> bool;
 }
 
 /// Visits every segment that begins at or before `end`, with the transition over the whole of
-/// it.
+/// it, unless stopped.
 ///
 /// The march begins at rest in equilibrium on the first elevations.
 #[inline(always)]
-pub(crate) fn march(run: &Run, end: f64, pulse: &mut Pulse, visitor: &mut impl Visitor) -> Result<()> {
+pub(crate) fn march(run: &Run, end: f64, visitor: &mut impl Visitor) {
     let bank = &run.oscillators;
     let rest = bank.over(0.0);
     let mut kept = [(0.0, rest); KEPT];
@@ -114,7 +107,6 @@ pub(crate) fn march(run: &Run, end: f64, pulse: &mut Pulse, visitor: &mut impl V
     let mut state = State { d: Lanes::ZERO, v: Lanes::ZERO, p: run.modal_rest() };
     let mut drive = Drive { beta: Lanes::ZERO, gamma: Lanes::ZERO };
     let mut start = f64::NEG_INFINITY;
-    let mut blocks = 0_u64;
     loop {
         let mut step = 0;
         for slot in 1..knots.len {
@@ -132,7 +124,7 @@ pub(crate) fn march(run: &Run, end: f64, pulse: &mut Pulse, visitor: &mut impl V
             visitor.visit(&segment, whole);
             start = end_of_segment;
             if start > end {
-                return Ok(());
+                return;
             }
             state = whole.apply(&state, &drive);
             while let Some(jump) = knots.steps.get(step).filter(|jump| jump.slot == slot) {
@@ -153,9 +145,8 @@ pub(crate) fn march(run: &Run, end: f64, pulse: &mut Pulse, visitor: &mut impl V
                 }
             }
         }
-        blocks += 1;
-        if blocks.is_multiple_of(PULSE) {
-            pulse()?;
+        if !visitor.go_on(SLOTS as u32) {
+            return;
         }
         if !knots.advance() {
             break;
@@ -163,5 +154,4 @@ pub(crate) fn march(run: &Run, end: f64, pulse: &mut Pulse, visitor: &mut impl V
     }
     let end = f64::INFINITY;
     visitor.visit(&Segment { run, knots: &knots, slot: 0, state, drive, start, end, dt: end }, &rest);
-    Ok(())
 }

@@ -14,6 +14,9 @@ pub const ORTHONORMALITY: f64 = 5e-3;
 /// Given modes this close (ΦᵀKΦ against ω², relative) to the aircraft's own are its own.
 const OWN: f64 = 1e-12;
 
+/// Damping ratios above this are refused: beyond any damper, and of the series' range.
+const MOST_DAMPING: f64 = 1e6;
+
 /// Components within this share of each other are a tie when the sign of a mode is chosen.
 const TIE: f64 = 1e-9;
 
@@ -52,13 +55,14 @@ impl Modes {
     pub fn natural(aircraft: Arc<Aircraft>, damping_ratio: Option<&[f64]>) -> Result<Self> {
         let (omega, shapes) = eigen(&aircraft)?;
         let damping_ratio = match damping_ratio {
-            Some([one]) => vec![not_negative("damping_ratio", *one)?; omega.len()],
+            Some([one]) => vec![check_ratio("damping_ratio".into(), *one)?; omega.len()],
             Some(each) => check_ratios(each, omega.len())?,
-            None => shapes
-                .iter()
-                .zip(&omega)
-                .map(|(shape, omega)| rayleigh(&aircraft, shape, |gear| gear.damping) / (2.0 * omega))
-                .collect(),
+            None => {
+                let ratio = |(shape, omega): (&Vector3<f64>, &f64)| {
+                    rayleigh(&aircraft, shape, |gear| gear.damping) / (2.0 * omega)
+                };
+                check_ratios(&shapes.iter().zip(&omega).map(ratio).collect::<Vec<_>>(), omega.len())?
+            }
         };
         let statics = Statics::own(&aircraft, &omega, &shapes);
         Ok(Self { aircraft, omega, damping_ratio, shapes, statics })
@@ -280,7 +284,14 @@ fn check_ratios(ratios: &[f64], modes: usize) -> Result<Vec<f64>> {
             why: "one a mode",
         });
     }
-    ratios.iter().enumerate().map(|(i, &z)| not_negative(Place::at("damping_ratio", i), z)).collect()
+    ratios.iter().enumerate().map(|(i, &z)| check_ratio(Place::at("damping_ratio", i), z)).collect()
+}
+
+fn check_ratio(place: Place, value: f64) -> Result<f64> {
+    if not_negative(place, value)? > MOST_DAMPING {
+        return Err(Error::OutOfRange { place, value, why: "0 to 1e6 is allowed" });
+    }
+    Ok(value)
 }
 
 fn check_orthonormal(aircraft: &Aircraft, shapes: &[Vector3<f64>]) -> Result<()> {

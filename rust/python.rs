@@ -13,7 +13,7 @@ use crate::aircraft::{self, Inertia};
 use crate::error::{Error, Result};
 use crate::extremes::Extreme;
 use crate::readout::Quantity;
-use crate::run::Pulse;
+use crate::watch::Pulse;
 use crate::{modes, profile, run};
 
 create_exception!(
@@ -37,11 +37,11 @@ impl From<Error> for PyErr {
 }
 
 /// Runs `work` without the interpreter lock; lets Ctrl-C through.
-fn detached<T: Send>(py: Python, work: impl FnOnce(&mut Pulse) -> Result<T> + Send) -> PyResult<T> {
+fn detached<T: Send>(py: Python, work: impl FnOnce(Pulse) -> Result<T> + Send) -> PyResult<T> {
     let mut signal = None;
     let result = py.detach(|| {
         work(&mut || {
-            Python::attach(|py| py.check_signals()).map_err(|raised| {
+            Python::attach(Python::check_signals).map_err(|raised| {
                 signal = Some(raised);
                 Error::Interrupted
             })

@@ -17,14 +17,11 @@ const SAMPLES_PER_PERIOD: f64 = 20.0;
 /// How long the default time points go on after the last gear has passed the last knot.
 const AFTER_LAST_KNOT: f64 = 5.0;
 
-/// More default time points than this are refused: they would not fit any machine.
-const MOST_SAMPLES: f64 = 1e10;
+/// More default time points between knots than this are refused: a slip in the units, not a wish.
+const MOST_SAMPLES: f64 = 1e8;
 
 /// Longest run in radians of the fastest mode: beyond it a phase has no digits left.
 const LONGEST_PHASE: f64 = 1e12;
-
-/// Asked now and then during long work whether to go on.
-pub type Pulse<'a> = dyn FnMut() -> Result<()> + 'a;
 
 /// Gears that meet the same profile at the same time.
 #[derive(Clone, Debug)]
@@ -207,18 +204,18 @@ impl Run {
         };
         self.check_span("duration", end)?;
         let step = std::f64::consts::TAU / (self.fastest * SAMPLES_PER_PERIOD);
-        let knots: usize = self.tracks.iter().map(|track| track.profile.knots().len()).sum();
-        // A knot adds at most itself, the other side of a step and one part of a gap.
-        let most = (end - begin) / step + 3.0 * knots as f64 + 3.0;
-        if most > MOST_SAMPLES {
+        let between = (end - begin) / step;
+        if between > MOST_SAMPLES {
             let place = Place::from("duration");
             return Err(Error::OutOfRange {
                 place,
                 value: end,
-                why: "more than 1e10 time points; give times",
+                why: "more than 1e8 time points; give times",
             });
         }
-        Ok(Grid { begin, end, step, most: most as usize })
+        // A knot adds at most itself, the other side of a step and one part of a gap.
+        let knots: usize = self.tracks.iter().map(|track| track.profile.knots().len()).sum();
+        Ok(Grid { begin, end, step, most: between as usize + 3 * (knots + 1) })
     }
 
     /// CG coordinates at the start: at rest in equilibrium on the first elevations.

@@ -1,0 +1,226 @@
+//! Rows of results: at the default times, or at any a caller asks for.
+
+use multiversion::multiversion;
+
+use crate::error::{Error, Result};
+use crate::lanes::{LANES, Lanes};
+use crate::march::{Segment, Visitor, march};
+use crate::readout::{Form, Heights, Quantity};
+use crate::run::{Grid, Run};
+use crate::transition::{State, Transition};
+use crate::watch::{Pulse, Watch};
+
+/// Where the rows of a run are written: displacements and rates, `width` columns each.
+struct Rows<'a> {
+    width: usize,
+    omega: Lanes,
+    modal: &'a mut [f64],
+    rate: &'a mut [f64],
+    count: usize,
+}
+
+impl Rows<'_> {
+    #[inline(always)]
+    fn push(&mut self, state: &State) {
+        let rate = state.v * self.omega;
+        let at = self.count * self.width;
+        for (out, Lanes(lanes)) in [(&mut *self.modal, state.p), (&mut *self.rate, rate)] {
+            // Idle lanes spill into the next row, which is written later.
+            match out.get_mut(at..at + LANES) {
+                Some(row) => row.copy_from_slice(&lanes),
+                None => out[at..at + self.width].copy_from_slice(&lanes[..self.width]),
+            }
+        }
+        self.count += 1;
+    }
+}
+
+/// Rows on a grid.
+struct OnGrid<'a, 'b> {
+    grid: Grid,
+    time: &'a mut [f64],
+    rows: &'a mut Rows<'b>,
+    watch: Watch<'a>,
+}
+
+impl OnGrid<'_, '_> {
+    #[inline(always)]
+    fn push(&mut self, time: f64, state: &State) {
+        self.time[self.rows.count] = time;
+        self.rows.push(state);
+    }
+
+    /// Rows between a segment's ends.
+    #[cold]
+    fn fill(&mut self, segment: Segment, begin: f64, end: f64) {
+        let parts = ((end - begin) / self.grid.step).ceil();
+        for part in 1..parts as usize {
+            if !self.watch.go_on(1) {
+                return;
+            }
+            let between = begin + (end - begin) * (part as f64 / parts);
+            self.push(between, &segment.state_at(between));
+        }
+        // The end of the grid, or the last instant before a vertical step: the step's own time
+        // shows the other side.
+        let over = segment.end > end;
+        let last = if over { end } else { end.next_down() };
+        if last > begin && (over || segment.ends_at_step()) {
+            self.push(last, &segment.state_at(last));
+        }
+    }
+}
+
+impl Visitor for OnGrid<'_, '_> {
+    #[inline(always)]
+    fn visit(&mut self, segment: &Segment, _: &Transition) {
+        // Rows are those times of a segment that lie before its end: of several knots at one
+        // rounded time the last counts.
+        let Grid { begin: first, end: last, step, .. } = self.grid;
+        let begin = if segment.start > first { segment.start } else { first };
+        if begin < segment.end {
+            self.push(begin, &segment.state);
+            let end = if segment.end < last { segment.end } else { last };
+            if end - begin > step || segment.end > last || segment.ends_at_step() {
+                self.fill(*segment, begin, end);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn go_on(&mut self, work: u32) -> bool {
+        self.watch.go_on(work)
+    }
+}
+
+/// Rows at given times: `write` gets the segment, the row and the time.
+struct AtTimes<'a, W> {
+    times: &'a [f64],
+    row: usize,
+    write: W,
+    watch: Watch<'a>,
+}
+
+impl<W: FnMut(&Segment, usize, f64)> Visitor for AtTimes<'_, W> {
+    #[inline(always)]
+    fn visit(&mut self, segment: &Segment, _: &Transition) {
+        while let Some(&time) = self.times.get(self.row).filter(|&&time| time < segment.end) {
+            if !self.watch.go_on(1) {
+                return;
+            }
+            (self.write)(segment, self.row, time);
+            self.row += 1;
+        }
+    }
+
+    #[inline(always)]
+    fn go_on(&mut self, work: u32) -> bool {
+        self.watch.go_on(work)
+    }
+}
+
+/// Marches over `times`.
+#[inline(always)]
+fn at_times(run: &Run, times: &[f64], pulse: Pulse, write: impl FnMut(&Segment, usize, f64)) -> Result<()> {
+    let mut visitor = AtTimes { times, row: 0, write, watch: Watch::new(pulse) };
+    march(run, times.last().copied().unwrap_or(f64::NEG_INFINITY), &mut visitor);
+    visitor.watch.outcome
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn sample_grid(run: &Run, grid: Grid, time: &mut [f64], rows: &mut Rows, pulse: Pulse) -> Result<()> {
+    let mut visitor = OnGrid { grid, time, rows, watch: Watch::new(pulse) };
+    march(run, grid.end, &mut visitor);
+    visitor.watch.outcome
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn sample_times(run: &Run, times: &[f64], rows: &mut Rows, pulse: Pulse) -> Result<()> {
+    at_times(run, times, pulse, |segment, _, time| rows.push(&segment.state_at(time)))
+}
+
+impl Run {
+    fn rows<'a>(&self, modal: &'a mut [f64], rate: &'a mut [f64]) -> Rows<'a> {
+        Rows { width: self.modes.omega().len(), omega: self.oscillators.omega, modal, rate, count: 0 }
+    }
+
+    /// Times of a grid, modal displacements and rates at them, row by row, one column a mode.
+    /// Gives the number of rows; there is room for `grid.most`.
+    ///
+    /// # Errors
+    /// An overflow, or what `pulse` gives.
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    pub fn sample(
+        &self,
+        grid: Grid,
+        time: &mut [f64],
+        modal: &mut [f64],
+        rate: &mut [f64],
+        pulse: Pulse,
+    ) -> Result<usize> {
+        let mut rows = self.rows(modal, rate);
+        sample_grid(self, grid, time, &mut rows, pulse)?;
+        let (count, width) = (rows.count, rows.width);
+        self.check_last(&time[..count], &rate[..count * width])?;
+        Ok(count)
+    }
+
+    /// Modal displacements and rates at `times`, row by row, one column a mode.
+    ///
+    /// # Errors
+    /// An overflow, or what `pulse` gives.
+    ///
+    /// # Panics
+    /// If a slice is too short.
+    pub fn states(&self, times: &[f64], modal: &mut [f64], rate: &mut [f64], pulse: Pulse) -> Result<()> {
+        let mut rows = self.rows(modal, rate);
+        sample_times(self, times, &mut rows, pulse)?;
+        self.check_last(times, rate)
+    }
+
+    /// What is no longer finite stays so: the last row tells of all.
+    fn check_last(&self, times: &[f64], rate: &[f64]) -> Result<()> {
+        let width = self.modes.omega().len();
+        let last = rate.len().saturating_sub(width);
+        check_finite("modal motion", &times[times.len().saturating_sub(1)..], &rate[last..], width)
+    }
+
+    /// A quantity at `times`, row by row.
+    ///
+    /// # Errors
+    /// An overflow, or what `pulse` gives.
+    pub fn read(&self, quantity: &Quantity, times: &[f64], out: &mut [f64], pulse: Pulse) -> Result<()> {
+        let forms = Form::all(self, quantity);
+        let mut heights = Heights::new(self, &forms);
+        let width = forms.len();
+        at_times(self, times, pulse, |segment, row, time| {
+            let state = segment.state_at(time);
+            heights.read(segment, time);
+            for (value, form) in out[row * width..].iter_mut().zip(&forms) {
+                *value = form.value(&state) + form.line(segment, &heights).start;
+            }
+        })?;
+        check_finite("a result", times, out, width)
+    }
+
+    /// Elevation under each gear at `times`, row by row; at a step, after it.
+    ///
+    /// # Errors
+    /// What `pulse` gives.
+    pub fn elevations(&self, times: &[f64], out: &mut [f64], pulse: Pulse) -> Result<()> {
+        at_times(self, times, pulse, |segment, row, time| {
+            for (value, &track) in out[row * self.track_of.len()..].iter_mut().zip(&self.track_of) {
+                *value = segment.elevation(track, time);
+            }
+        })
+    }
+}
+
+fn check_finite(quantity: &'static str, times: &[f64], values: &[f64], width: usize) -> Result<()> {
+    match values.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(i) => Err(Error::Overflow { quantity, time: times[i / width] }),
+    }
+}

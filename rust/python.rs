@@ -37,11 +37,12 @@ impl From<Error> for PyErr {
 }
 
 /// Runs `work` without the interpreter lock; lets Ctrl-C through.
+#[expect(clippy::redundant_closure_for_method_calls, reason = "the method's lifetime is not general enough")]
 fn detached<T: Send>(py: Python, work: impl FnOnce(Pulse) -> Result<T> + Send) -> PyResult<T> {
     let mut signal = None;
     let result = py.detach(|| {
         work(&mut || {
-            Python::attach(Python::check_signals).map_err(|raised| {
+            Python::attach(|py| py.check_signals()).map_err(|raised| {
                 signal = Some(raised);
                 Error::Interrupted
             })

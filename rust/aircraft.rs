@@ -168,18 +168,25 @@ pub(crate) fn gram(rows: impl Iterator<Item = (Vector3<f64>, f64)>) -> Matrix3<f
 fn check_range(inertia: &Inertia, gears: &[Gear]) -> Result<()> {
     const WHY: &str = "with these masses and arms the frequencies leave the range of double precision";
     let fits = |value: f64| (1e-200..1e200).contains(&value);
-    let weight = inertia.mass * inertia.gravity;
-    if weight != 0.0 && !fits(weight) {
-        let place = Place::from("mass");
-        return Err(Error::OutOfRange { place, value: inertia.mass, why: "mass · gravity" });
+    let moderate = |value: f64| (1e-100..1e100).contains(&value);
+    if inertia.gravity != 0.0 && !fits(inertia.mass * inertia.gravity) {
+        let (name, value) =
+            if moderate(inertia.mass) { ("gravity", inertia.gravity) } else { ("mass", inertia.mass) };
+        return Err(Error::OutOfRange { place: name.into(), value, why: "mass · gravity" });
     }
-    for (i, gear) in gears.iter().enumerate() {
-        for (row, mass) in gear.row().iter().zip(inertia.diagonal().iter()) {
-            let square = row * row;
-            for (place, value) in [("stiffness", gear.stiffness), ("damping", gear.damping)] {
-                let rate = value * square / mass;
-                if value != 0.0 && *row != 0.0 && !(fits(square) && fits(rate)) {
-                    let place = Place::at(place, i);
+    let axes = ["", "x", "y"].into_iter().zip(["mass", "pitch_inertia", "roll_inertia"]);
+    for (axis, (arm, mass_name)) in axes.enumerate() {
+        let mass = inertia.diagonal()[axis];
+        for (i, gear) in gears.iter().enumerate() {
+            let value = gear.row()[axis];
+            if value != 0.0 && !fits(value * value) {
+                return Err(Error::OutOfRange { place: Place::at(arm, i), value, why: WHY });
+            }
+            for (name, rate) in [("stiffness", gear.stiffness), ("damping", gear.damping)] {
+                if rate != 0.0 && value != 0.0 && !fits(rate * (value * value) / mass) {
+                    // The one that is itself extreme is to blame.
+                    let (place, value) =
+                        if moderate(mass) { (Place::at(name, i), rate) } else { (mass_name.into(), mass) };
                     return Err(Error::OutOfRange { place, value, why: WHY });
                 }
             }

@@ -2,7 +2,9 @@
 //!
 //! Between two knots an output is a straight line plus damped oscillations. About its moving
 //! steady position each mode's (y, ẏ/ω) has a length r that never grows, which bounds every
-//! derivative of the output from the state at the start:
+//! derivative of the output from the state at the start. (A mode damped well beyond critical
+//! counts as its two decaying exponentials, each with its own length: one length for both
+//! would pair the size of the slow one with the derivatives of the fast one.)
 //!
 //! * |F″| ≤ M₂ = Σ c₂ r, so F stays below its larger end + M₂h²/8. Nearly every segment of a
 //!   finely sampled profile is dismissed by this one test.
@@ -45,6 +47,13 @@ pub struct Extreme {
 }
 
 impl Extreme {
+    /// Sums of times round; what was found lies between the two given.
+    fn within(mut self, begin: f64, end: f64) -> Self {
+        self.time_of_max = self.time_of_max.clamp(begin, end);
+        self.time_of_min = self.time_of_min.clamp(begin, end);
+        self
+    }
+
     #[inline]
     fn offer(&mut self, value: f64, time: f64, slack: f64) {
         if value > self.max + slack {
@@ -56,6 +65,70 @@ impl Extreme {
     }
 }
 
+/// A number a mode, and another for the fast exponential of an overdamped one.
+#[derive(Clone, Copy)]
+struct Pair([Lanes; 2]);
+
+impl Pair {
+    #[inline(always)]
+    fn dot(self, other: Self) -> f64 {
+        self.0[0].dot(other.0[0]) + self.0[1].dot(other.0[1])
+    }
+}
+
+/// Beyond this 2ζ a mode counts as two exponentials; below, they are too much alike.
+const APART: f64 = 2.5;
+
+/// Rates ÷ ω of the two exponentials of a mode with 2ζ > [`APART`], slow and fast.
+fn rates(two_zeta: f64) -> Option<[f64; 2]> {
+    let fast = 0.5 * two_zeta * (1.0 + (1.0 - 4.0 / two_zeta / two_zeta).sqrt());
+    (two_zeta > APART).then_some([1.0 / fast, fast])
+}
+
+/// How lengths follow from y and w = ẏ/ω, lane by lane: a mode that oscillates has the length
+/// of (y, w), an overdamped one |slow · (y, w)| and |fast · (y, w)|.
+struct Lengths {
+    slow: [Lanes; 2],
+    across: Lanes,
+    fast: [Lanes; 2],
+}
+
+impl Lengths {
+    fn new(bank: &Oscillators) -> Self {
+        let none = Lanes::ZERO;
+        let mut lengths = Self { slow: [Lanes::all(1.0), none], across: Lanes::all(1.0), fast: [none; 2] };
+        for i in 0..LANES {
+            if let Some([slow, fast]) = rates(bank.two_zeta[i]) {
+                let scale = 1.0 / (fast - slow);
+                (lengths.slow[0][i], lengths.slow[1][i]) = (fast * scale, scale);
+                (lengths.fast[0][i], lengths.fast[1][i]) = (slow * scale, scale);
+                lengths.across[i] = 0.0;
+            }
+        }
+        lengths
+    }
+
+    /// Components: along the slow exponential (or y), across it (w, or nothing), along the fast.
+    #[inline(always)]
+    fn parts(&self, (y, w): (Lanes, Lanes)) -> [Lanes; 3] {
+        let Self { slow, across, fast } = self;
+        [slow[0] * y + slow[1] * w, *across * w, fast[0] * y + fast[1] * w]
+    }
+
+    #[inline(always)]
+    fn of(&self, departure: (Lanes, Lanes)) -> Pair {
+        let [slow, across, fast] = self.parts(departure);
+        Pair([(slow * slow + across * across).map(f64::sqrt), fast.abs()])
+    }
+
+    /// Not less than the lengths, without their root.
+    #[inline(always)]
+    fn at_most(&self, departure: (Lanes, Lanes)) -> Pair {
+        let [slow, across, fast] = self.parts(departure);
+        Pair([slow.abs() + across.abs(), fast.abs()])
+    }
+}
+
 /// An output with the bounds that follow from its weights.
 struct Output {
     form: Form,
@@ -64,11 +137,11 @@ struct Output {
     /// Weights of y and ẏ/ω in F″.
     bend: [Lanes; 2],
     /// Σ amplitude · r bounds the oscillating part.
-    amplitude: Lanes,
+    amplitude: Pair,
     /// Σ second · r bounds |F″|.
-    second: Lanes,
+    second: Pair,
     /// Σ third · r bounds |F‴|.
-    third: Lanes,
+    third: Pair,
     line: Line,
     record: Extreme,
 }
@@ -79,23 +152,26 @@ fn departure(bank: &Oscillators, drive: &Drive, state: &State) -> (Lanes, Lanes)
     (state.d - (drive.gamma - bank.two_zeta * drive.beta), state.v - drive.beta)
 }
 
-/// r of the module text.
-#[inline(always)]
-fn lengths(bank: &Oscillators, drive: &Drive, state: &State) -> Lanes {
-    let (y, w) = departure(bank, drive, state);
-    (y * y + w * w).map(f64::sqrt)
-}
-
 impl Output {
     fn new(form: Form, bank: &Oscillators) -> Self {
         // d/dt of a y + b ẏ/ω is (−ωb) y + ω(a − 2ζb) ẏ/ω.
         let derive =
             |[a, b]: [Lanes; 2]| [Lanes::ZERO - bank.omega * b, bank.omega * (a - bank.two_zeta * b)];
-        let length = |[a, b]: [Lanes; 2]| (a * a + b * b).map(f64::sqrt);
+        let length = |[a, b]: [Lanes; 2]| Pair([(a * a + b * b).map(f64::sqrt), Lanes::ZERO]);
         let weights = [form.d, form.v];
         let slope = derive(weights);
         let bend = derive(slope);
-        let (amplitude, second, third) = (length(weights), length(bend), length(derive(bend)));
+        let mut amplitude = length(weights);
+        let (mut second, mut third) = (length(bend), length(derive(bend)));
+        for i in 0..LANES {
+            for (part, rate) in rates(bank.two_zeta[i]).into_iter().flatten().enumerate() {
+                let size = (form.d[i] - form.v[i] * rate).abs();
+                let rate = bank.omega[i] * rate;
+                amplitude.0[part][i] = size;
+                second.0[part][i] = size * rate * rate;
+                third.0[part][i] = size * rate * rate * rate;
+            }
+        }
         let record =
             Extreme { max: f64::NEG_INFINITY, time_of_max: 0.0, min: f64::INFINITY, time_of_min: 0.0 };
         let line = Line { start: form.constant, rate: 0.0 };
@@ -113,7 +189,7 @@ impl Output {
     #[cold]
     fn search(
         &mut self,
-        bank: &Oscillators,
+        (bank, lengths): (&Oscillators, &Lengths),
         (from, to): (&State, &State),
         drive: &Drive,
         (time, tau, h): (f64, f64, f64),
@@ -123,8 +199,11 @@ impl Output {
         for (sign, bound) in bounds {
             let best = if sign > 0.0 { self.record.max } else { -self.record.min };
             let slack = self.slack();
-            if bound > best + slack {
-                let mut climb = Climb { bank, drive, output: self, sign, slack, best, at: f64::NAN };
+            if !bound.is_finite() {
+                // A bound that says nothing would have every piece halved for ever.
+                self.record.max = f64::NAN;
+            } else if bound > best + slack {
+                let mut climb = Climb { bank, lengths, drive, output: self, sign, slack, best, at: f64::NAN };
                 climb.search(from, to, tau, h, 0);
                 if climb.best > best {
                     let (value, at) = (sign * climb.best, time + climb.at);
@@ -143,6 +222,7 @@ impl Output {
 /// One output along one piece, upside down where a minimum is sought.
 struct Climb<'a> {
     bank: &'a Oscillators,
+    lengths: &'a Lengths,
     drive: &'a Drive,
     output: &'a Output,
     sign: f64,
@@ -174,7 +254,7 @@ impl Climb<'_> {
         let [f1, slope1, bend1] = self.jet(to, tau + h);
         self.offer(f0, tau);
         self.offer(f1, tau + h);
-        let r = lengths(self.bank, self.drive, from);
+        let r = self.lengths.of(departure(self.bank, self.drive, from));
         let (second, third) = (self.output.second.dot(r), self.output.third.dot(r));
         if f0.max(f1) + second * h * h / 8.0 <= self.best + self.slack {
             return;
@@ -222,7 +302,7 @@ impl Climb<'_> {
 /// Four outputs side by side, for the test that dismisses nearly every segment.
 struct Screen {
     /// Weights of the modes' d and v, and of their lengths in the bound on |F″|.
-    weights: [[Lanes; 3]; LANES],
+    weights: [[Lanes; 4]; LANES],
     line: Lanes,
     rate: Lanes,
     /// Values at the start of the next piece.
@@ -245,7 +325,8 @@ impl Screen {
             [
                 gather(&|output| output.form.d[mode]),
                 gather(&|output| output.form.v[mode]),
-                gather(&|output| output.second[mode]),
+                gather(&|output| output.second.0[0][mode]),
+                gather(&|output| output.second.0[1][mode]),
             ]
         });
         let none = Lanes::ZERO;
@@ -272,7 +353,7 @@ impl Screen {
     #[inline(always)]
     fn values(&self, state: &State, tau: f64) -> Lanes {
         let mut sum = self.line + self.rate * tau;
-        for (mode, [d, v, _]) in self.weights.iter().enumerate() {
+        for (mode, [d, v, ..]) in self.weights.iter().enumerate() {
             sum += *d * state.d[mode] + *v * state.v[mode];
         }
         sum
@@ -281,10 +362,10 @@ impl Screen {
     /// What the outputs cannot exceed, nor fall below, on a piece from the values at `start` to
     /// those at `end`.
     #[inline(always)]
-    fn bounds(&self, end: Lanes, lengths: Lanes, h: f64) -> (Lanes, Lanes) {
+    fn bounds(&self, end: Lanes, Pair([slow, fast]): Pair, h: f64) -> (Lanes, Lanes) {
         let mut second = Lanes::ZERO;
-        for (mode, [_, _, weight]) in self.weights.iter().enumerate() {
-            second += *weight * lengths[mode];
+        for (mode, [_, _, one, other]) in self.weights.iter().enumerate() {
+            second += *one * slow[mode] + *other * fast[mode];
         }
         let bulge = second * (h * h / 8.0);
         (self.start.max(end) + bulge, self.start.min(end) - bulge)
@@ -296,6 +377,7 @@ struct Search<'a> {
     run: &'a Run,
     outputs: Vec<Output>,
     screens: Vec<Screen>,
+    lengths: Lengths,
     heights: Heights,
     /// Whether the straight-line parts change from segment to segment.
     has_lines: bool,
@@ -362,7 +444,7 @@ impl Search<'_> {
     /// Whether the amplitudes left can still set a record between `tau` and `dt`.
     fn reachable(&self, state: &State, drive: &Drive, (tau, dt): (f64, f64)) -> bool {
         let bank = &self.run.oscillators;
-        let r = lengths(bank, drive, state);
+        let r = self.lengths.of(departure(bank, drive, state));
         let steady = drive.gamma - bank.two_zeta * drive.beta;
         self.outputs.iter().any(|Output { form, line, amplitude, record, .. }| {
             let level = form.d.dot(steady) + form.v.dot(drive.beta) + line.start;
@@ -375,8 +457,7 @@ impl Search<'_> {
     /// One piece of at most a radian.
     #[inline(always)]
     fn piece(&mut self, from: &State, to: &State, drive: &Drive, (time, tau, h): (f64, f64, f64)) {
-        let (y, w) = departure(&self.run.oscillators, drive, from);
-        let lengths = y.abs() + w.abs(); // ≥ r, without its root
+        let lengths = self.lengths.at_most(departure(&self.run.oscillators, drive, from));
         for (screen, outputs) in self.screens.iter_mut().zip(self.outputs.chunks_mut(LANES)) {
             let end = screen.values(to, tau + h);
             let (top, bottom) = screen.bounds(end, lengths, h);
@@ -384,7 +465,8 @@ impl Search<'_> {
                 for (lane, output) in outputs.iter_mut().enumerate() {
                     if top[lane] > screen.high[lane] || bottom[lane] < screen.low[lane] {
                         let signs = [(1.0, top[lane]), (-1.0, -bottom[lane])];
-                        output.search(&self.run.oscillators, (from, to), drive, (time, tau, h), signs);
+                        let bank = (&self.run.oscillators, &self.lengths);
+                        output.search(bank, (from, to), drive, (time, tau, h), signs);
                     }
                 }
                 screen.read_records(outputs);
@@ -397,7 +479,8 @@ impl Search<'_> {
 impl Visitor for Search<'_> {
     #[inline(always)]
     fn visit(&mut self, segment: &Segment, whole: &Transition) {
-        if segment.end < self.begin {
+        // Of a vertical step only the two sides count, not what lies between.
+        if segment.end < self.begin || segment.start == segment.end {
             return;
         }
         self.last = segment.state;
@@ -459,6 +542,7 @@ impl Run {
         let mut search = Search {
             run: self,
             screens: outputs.chunks(LANES).map(Screen::new).collect(),
+            lengths: Lengths::new(bank),
             outputs,
             heights,
             has_lines,
@@ -472,7 +556,7 @@ impl Run {
         search.watch.outcome?;
         // What is no longer finite stays so, and sets no record: the last state tells of all.
         let last = search.last.d.dot(search.last.d) + search.last.v.dot(search.last.v);
-        let records: Vec<Extreme> = search.outputs.iter().map(|output| output.record).collect();
+        let records: Vec<Extreme> = search.outputs.iter().map(|o| o.record.within(begin, end)).collect();
         if !last.is_nan() && records.iter().all(|r| (r.max - r.min).is_finite()) {
             Ok(records)
         } else {

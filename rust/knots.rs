@@ -154,14 +154,16 @@ impl<'a> Knots<'a> {
         self.distance.get(slot)
     }
 
-    /// Elevation under a track at a distance between the knot of a slot and the next.
-    pub fn elevation(&self, slot: usize, track: usize, distance: Distance) -> f64 {
+    /// Elevation under a track at a distance between the knot of a slot and the next, as that of
+    /// the last breakpoint and the climb since: the difference of two tracks high above the datum
+    /// keeps its digits only if these are not added up first.
+    pub fn elevation(&self, slot: usize, track: usize, distance: Distance) -> (f64, f64) {
         let passed = self.passed[track][slot];
         let Track { profile, lag, .. } = &self.run.tracks[track];
         let base = profile.z()[passed.saturating_sub(1)];
         match self.slope[track][slot] {
-            0.0 => base,
-            slope => base + slope * distance.minus(lag.plus(profile.x()[passed - 1])),
+            0.0 => (base, 0.0),
+            slope => (base, slope * distance.minus(lag.plus(profile.x()[passed - 1]))),
         }
     }
 }

@@ -46,8 +46,8 @@ impl Segment<'_> {
         self.knots.slope[track][self.slot]
     }
 
-    /// Elevation under a track.
-    pub fn elevation(&self, track: usize, time: f64) -> f64 {
+    /// Elevation under a track: at its last breakpoint, and the climb since.
+    pub fn elevation(&self, track: usize, time: f64) -> (f64, f64) {
         self.knots.elevation(self.slot, track, self.distance(time))
     }
 
@@ -104,7 +104,7 @@ pub(crate) fn march(run: &Run, end: f64, visitor: &mut impl Visitor) {
     let mut kept = [(0.0, rest); KEPT];
     let mut place = 0;
     let mut knots = Knots::new(run);
-    let mut state = State { d: Lanes::ZERO, v: Lanes::ZERO, p: run.modal_rest() };
+    let mut state = State { d: Lanes::ZERO, v: Lanes::ZERO, p: Lanes::ZERO };
     let mut drive = Drive { beta: Lanes::ZERO, gamma: Lanes::ZERO };
     let mut start = f64::NEG_INFINITY;
     loop {

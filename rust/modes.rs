@@ -242,7 +242,14 @@ fn eigen(aircraft: &Aircraft) -> Result<(Vec<f64>, Vec<Vector3<f64>>)> {
         .collect();
     modes.sort_by(|a, b| a.0.total_cmp(&b.0));
     // The lowest 3 − rank have no stiffness and, statics having passed, no excitation.
-    Ok(modes.into_iter().skip(3 - aircraft.rank()).unzip())
+    let mut modes = modes.split_off(3 - aircraft.rank());
+    // An axis that no gear has an arm for does not move in them, not even by rounding.
+    for axis in (0..3).filter(|&axis| springs.iter().all(|row| row[axis] == 0.0)) {
+        for (_, shape) in &mut modes {
+            shape[axis] = 0.0;
+        }
+    }
+    Ok(modes.into_iter().unzip())
 }
 
 /// Turns the eigenvectors until the spring forces of any two are orthogonal to rounding.

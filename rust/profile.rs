@@ -2,6 +2,12 @@
 
 use crate::error::{Error, Place, Result, finite, non_decreasing, positive};
 
+/// Largest elevation and slope: their squares must stay in double precision.
+const STEEPEST: f64 = 1e100;
+
+/// Shortest footprint as a share of the stations: below it x ± length/2 has too few digits.
+const SHORTEST_FOOTPRINT: f64 = 1e-9;
+
 /// Elevation against station: straight lines between breakpoints, level before the first
 /// and after the last. A repeated station is a vertical step.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +40,10 @@ impl Profile {
         }
         non_decreasing("x", &x)?;
         for (i, &value) in z.iter().enumerate() {
-            finite(Place::at("z", i), value)?;
+            let place = Place::at("z", i);
+            if finite(place, value)?.abs() > STEEPEST {
+                return Err(Error::OutOfRange { place, value, why: "elevations up to 1e100 are allowed" });
+            }
         }
         let mut slopes = vec![0.0; x.len() + 1];
         let mut finest = f64::INFINITY;
@@ -52,9 +61,9 @@ impl Profile {
                 slopes[i] = rise / run;
                 finest = finest.min(run);
             }
-            if !rise.is_finite() || !slopes[i].is_finite() {
+            if slopes[i].abs() > STEEPEST {
                 let place = Place::at("z", i);
-                return Err(Error::OutOfRange { place, value: z[i], why: "the slope up to it" });
+                return Err(Error::OutOfRange { place, value: z[i], why: "slopes up to 1e100 are allowed" });
             }
         }
         let has_steps = x.windows(2).any(|pair| pair[1] <= pair[0]);
@@ -220,6 +229,11 @@ impl Profile {
     pub fn footprint(&self, length: f64, tolerance: f64) -> Result<Self> {
         positive("length", length)?;
         positive("tolerance", tolerance)?;
+        let reach = self.x[0].abs().max(self.x[self.x.len() - 1].abs());
+        if length < reach * SHORTEST_FOOTPRINT {
+            let why = "too short beside the stations, whose rounding would be felt";
+            return Err(Error::OutOfRange { place: "length".into(), value: length, why });
+        }
         let front = self.shifted(-0.5 * length)?;
         let back = self.shifted(0.5 * length)?;
         let slope = front.combine(&back, |f, b| (f - b) / length)?;

@@ -74,10 +74,7 @@ impl Form {
         for (lane, shape) in run.modes.shapes().iter().enumerate() {
             form.p[lane] = direction.dot(shape);
         }
-        if !run.modes.statics().own {
-            // Modes that are not all of the aircraft's own start from where it stands.
-            form.constant = direction.dot(&run.rest()) - form.p.dot(run.modal_rest());
-        }
+        form.constant = direction.dot(&run.rest());
         form
     }
 
@@ -194,11 +191,12 @@ impl Heights {
         if !self.needed {
             return;
         }
-        let base = segment.elevation(0, time);
-        self.value[0] = base - self.first;
+        let (base, climb) = segment.elevation(0, time);
+        self.value[0] = (base - self.first) + climb;
         self.rate[0] = segment.slope(0) * self.speed;
         for track in 1..self.value.len() {
-            self.value[track] = segment.elevation(track, time) - base;
+            let (other_base, other_climb) = segment.elevation(track, time);
+            self.value[track] = (other_base - base) + (other_climb - climb);
             self.rate[track] = segment.slope(track) * self.speed - self.rate[0];
         }
     }

@@ -23,6 +23,9 @@ const MOST_SAMPLES: f64 = 1e8;
 /// Longest run in radians of the fastest mode: beyond it a phase has no digits left.
 const LONGEST_PHASE: f64 = 1e12;
 
+/// Latest time on a level runway: its distance must stay in double precision.
+const LONGEST_TIME: f64 = 1e200;
+
 /// Gears that meet the same profile at the same time.
 #[derive(Clone, Debug)]
 pub(crate) struct Track {
@@ -164,17 +167,13 @@ impl Run {
     }
 
     /// Refuses times at which a phase ω t has no digits left.
-    fn check_span(&self, argument: &'static str, time: f64) -> Result<()> {
-        if time.abs() * self.stiffest < LONGEST_PHASE {
-            Ok(())
-        } else {
-            let place = Place::from(argument);
-            Err(Error::OutOfRange {
-                place,
-                value: time,
-                why: "a time beyond 1e12 radians of the fastest mode",
-            })
+    fn check_span(&self, place: impl Into<Place>, time: f64) -> Result<()> {
+        let level = self.tracks.iter().all(|track| track.profile.is_level());
+        if time.abs() * self.stiffest < LONGEST_PHASE || (level && time.abs() < LONGEST_TIME) {
+            return Ok(());
         }
+        let why = "a time beyond 1e12 radians of the fastest mode";
+        Err(Error::OutOfRange { place: place.into(), value: time, why })
     }
 
     /// Checks times given by a caller: finite, never decreasing, at least one.
@@ -186,8 +185,8 @@ impl Run {
         let (Some(first), Some(last)) = (times.first(), times.last()) else {
             return Err(Error::TooShort { argument: "times", found: 0, least: 1 });
         };
-        self.check_span("times", *first)?;
-        self.check_span("times", *last)
+        self.check_span(Place::at("times", 0), *first)?;
+        self.check_span(Place::at("times", times.len() - 1), *last)
     }
 
     /// Default time points: every knot of every gear, both sides of a vertical step, and enough
@@ -220,8 +219,12 @@ impl Run {
 
     /// CG coordinates at the start: at rest in equilibrium on the first elevations.
     pub(crate) fn rest(&self) -> Vector3<f64> {
+        // A lift of all gears is pure bounce, to the last bit: only differences tilt.
+        let lift = self.tracks[0].profile.z()[0];
         let rest = &self.modes.statics().rest;
-        rest.iter().zip(self.first_elevations()).map(|(column, u)| column * u).sum()
+        let tilt: Vector3<f64> =
+            rest.iter().zip(self.first_elevations()).map(|(column, u)| column * (u - lift)).sum();
+        tilt + Vector3::x() * lift
     }
 
     /// Modal coordinates at the start.

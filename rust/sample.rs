@@ -14,6 +14,7 @@ use crate::watch::{Pulse, Watch};
 struct Rows<'a> {
     width: usize,
     omega: Lanes,
+    rest: Lanes,
     modal: &'a mut [f64],
     rate: &'a mut [f64],
     count: usize,
@@ -22,9 +23,9 @@ struct Rows<'a> {
 impl Rows<'_> {
     #[inline(always)]
     fn push(&mut self, state: &State) {
-        let rate = state.v * self.omega;
+        let (modal, rate) = (self.rest + state.p, state.v * self.omega);
         let at = self.count * self.width;
-        for (out, Lanes(lanes)) in [(&mut *self.modal, state.p), (&mut *self.rate, rate)] {
+        for (out, Lanes(lanes)) in [(&mut *self.modal, modal), (&mut *self.rate, rate)] {
             // Idle lanes spill into the next row, which is written later.
             match out.get_mut(at..at + LANES) {
                 Some(row) => row.copy_from_slice(&lanes),
@@ -141,7 +142,8 @@ fn sample_times(run: &Run, times: &[f64], rows: &mut Rows, pulse: Pulse) -> Resu
 
 impl Run {
     fn rows<'a>(&self, modal: &'a mut [f64], rate: &'a mut [f64]) -> Rows<'a> {
-        Rows { width: self.modes.omega().len(), omega: self.oscillators.omega, modal, rate, count: 0 }
+        let (width, omega) = (self.modes.omega().len(), self.oscillators.omega);
+        Rows { width, omega, rest: self.modal_rest(), modal, rate, count: 0 }
     }
 
     /// Times of a grid, modal displacements and rates at them, row by row, one column a mode.
@@ -212,7 +214,8 @@ impl Run {
     pub fn elevations(&self, times: &[f64], out: &mut [f64], pulse: Pulse) -> Result<()> {
         at_times(self, times, pulse, |segment, row, time| {
             for (value, &track) in out[row * self.track_of.len()..].iter_mut().zip(&self.track_of) {
-                *value = segment.elevation(track, time);
+                let (base, climb) = segment.elevation(track, time);
+                *value = base + climb;
             }
         })
     }

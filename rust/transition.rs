@@ -57,7 +57,7 @@ pub struct State {
     pub d: Lanes,
     /// Velocity ÷ ω.
     pub v: Lanes,
-    /// Displacement from the fixed origin.
+    /// Displacement from a fixed origin; in a run, from where it starts.
     pub p: Lanes,
 }
 

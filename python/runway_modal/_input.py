@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,19 +16,26 @@ if TYPE_CHECKING:
 def number(argument: str, value: Any) -> float:
     """Pass one real number as a float."""
     try:
-        if isinstance(value, str | bytes):
+        kind = value.dtype.kind if isinstance(value, np.ndarray | np.generic) else ""
+        # float() would read strings and drop imaginary parts and masks.
+        if isinstance(value, str | bytes) or value is np.ma.masked or kind not in "biufO":
             raise TypeError
         return float(value)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{argument} = {value!r} is not a real number") from None
 
 
+def finite(argument: str, value: Any) -> float:
+    """Pass one finite real number as a float."""
+    passed = number(argument, value)
+    if not math.isfinite(passed):
+        raise InputError(f"{argument} = {passed!r} is not finite")
+    return passed
+
+
 def array(argument: str, values: ArrayLike, ndim: int = 1) -> NDArray[np.float64]:
     """Pass real numbers as a C-ordered float64 array of `ndim` dimensions."""
-    try:
-        given = np.asanyarray(values)
-    except ValueError:
-        raise InputError(f"{argument} is not a rectangular array") from None
+    given = any_array(argument, values)
     if given.dtype.kind not in "biuf":
         raise InputError(f"{argument} holds {given.dtype}, not real numbers")
     if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
@@ -36,6 +44,14 @@ def array(argument: str, values: ArrayLike, ndim: int = 1) -> NDArray[np.float64
     if given.ndim != ndim:
         raise InputError(f"{argument} has shape {given.shape}, {ndim} dimension(s) expected")
     return np.ascontiguousarray(given, dtype=np.float64)
+
+
+def any_array(argument: str, values: ArrayLike) -> NDArray[Any]:
+    """Pass what makes a rectangular array."""
+    try:
+        return np.asanyarray(values)
+    except ValueError:
+        raise InputError(f"{argument} is not a rectangular array") from None
 
 
 def read_only(values: NDArray[np.float64]) -> NDArray[np.float64]:

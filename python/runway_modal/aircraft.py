@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
@@ -14,7 +15,7 @@ from ._input import array, number, read_only
 from .modes import Modes
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -270,12 +271,17 @@ class Aircraft:
         >>> rm.f4e().with_stiffness({"nose": 1508.0}).gears[0].stiffness
         1508.0
         """
+        if not isinstance(stiffness, Mapping):
+            raise InputError(f"stiffness = {stiffness!r} is not a mapping from gear names")
         for name in stiffness:
             if name not in self.gear_names:
                 raise InputError(f"stiffness[{name!r}]: no such gear; there are {self.gear_names}")
-        gears = [
-            Gear(g.name, g.x, g.y, stiffness.get(g.name, g.stiffness), g.damping) for g in self.gears
-        ]
+        gears = list(self.gears)
+        for i, g in enumerate(gears):
+            try:
+                gears[i] = Gear(g.name, g.x, g.y, stiffness.get(g.name, g.stiffness), g.damping)
+            except InputError as error:
+                raise InputError(f"stiffness[{g.name!r}]: {error}") from None
         return Aircraft(**{**self._values(), "gears": gears})
 
     def _values(self) -> dict[str, Any]:
@@ -288,24 +294,27 @@ class Aircraft:
 
 
 def _gears(gears: object) -> tuple[Gear, ...]:
-    if isinstance(gears, Gear) or not hasattr(gears, "__iter__"):
-        raise InputError(f"gears = {gears!r} is not a sequence of Gear")
-    gears = tuple(gears)
-    for i, gear in enumerate(gears):
+    try:
+        each = tuple(gears)  # type: ignore[arg-type]
+    except TypeError:
+        raise InputError(f"gears = {gears!r} is not a sequence of Gear") from None
+    for i, gear in enumerate(each):
         if not isinstance(gear, Gear):
             raise InputError(f"gears[{i}] = {gear!r} is not a Gear")
-    return gears
+    return each
 
 
 def _stations(stations: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
+    if not isinstance(stations, Mapping):
+        raise InputError(f"stations = {stations!r} is not a mapping from names to (x, y)")
     points = {"cg": (0.0, 0.0)}
     for name, point in stations.items():
         key = f"stations[{name!r}]"
         arms = array(key, point)
         if arms.shape != (2,):
             raise InputError(f"{key} has {arms.size} coordinates, (x, y) expected")
-        if not np.isfinite(arms).all():
-            raise InputError(f"{key} = {tuple(arms.tolist())} is not finite")
+        if not (abs(arms) <= 1e100).all():
+            raise InputError(f"{key} = {tuple(arms.tolist())} is not finite and within 1e100")
         if name == "cg" and arms.any():
             raise InputError(f"{key} = {tuple(arms.tolist())}: 'cg' is the centre of gravity, (0, 0)")
         points[name] = (float(arms[0]), float(arms[1]))
@@ -343,7 +352,7 @@ def f4e(stiffness: Literal["static", "equivalent"] = "static") -> Aircraft:
     >>> rm.f4e("equivalent").modes(0.01).frequency_hz[1].round(2)
     np.float64(1.8)
     """
-    if stiffness not in _F4E_STIFFNESS:
+    if not isinstance(stiffness, str) or stiffness not in _F4E_STIFFNESS:
         raise InputError(f"stiffness = {stiffness!r} is none of {tuple(_F4E_STIFFNESS)}")
     nose, main = _F4E_STIFFNESS[stiffness]
     return Aircraft(
@@ -400,8 +409,8 @@ def single_dof(
     mass, omega = number("mass", mass), number("omega", omega)
     ratio = number("damping_ratio", damping_ratio)
     for key, value in (("mass", mass), ("omega", omega)):
-        if not value > 0 or not np.isfinite(value * value):
-            raise InputError(f"{key} = {value!r} is not a positive number with a finite square")
+        if not 1e-100 < value < 1e100:
+            raise InputError(f"{key} = {value!r} is not between 1e-100 and 1e100")
     if not 0 <= ratio < np.inf:
         raise InputError(f"damping_ratio = {ratio!r} is not a finite number ≥ 0")
     gear = Gear("gear", 0.0, 0.0, mass * omega**2, 2.0 * ratio * omega * mass)
@@ -448,5 +457,5 @@ def equivalent_stiffness(k: ArrayLike) -> float:
         raise InputError("k has 0 entries, at least 1 needed")
     bad = np.flatnonzero(~((k > 0) & np.isfinite(k)))
     if bad.size:
-        raise InputError(f"k[{bad[0]}] = {k[bad[0]]!r} is not positive and finite")
+        raise InputError(f"k[{bad[0]}] = {float(k[bad[0]])!r} is not positive and finite")
     return float(np.mean(1.0 / np.sqrt(k)) ** -2)

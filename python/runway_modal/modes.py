@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, read_only
+from ._input import any_array, array, read_only
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -81,7 +81,7 @@ class Modes:
         shapes: ArrayLike,
     ) -> None:
         omega = array("omega", omega)
-        ratio = np.asanyarray(damping_ratio)
+        ratio = any_array("damping_ratio", damping_ratio)
         if ratio.ndim == 0:
             ratio = np.full(omega.shape, array("damping_ratio", ratio, ndim=0))
         ratio = array("damping_ratio", ratio)
@@ -91,32 +91,30 @@ class Modes:
                 f"shapes has shape {shapes.shape}, (3, {omega.size}) expected: bounce, pitch and "
                 "roll of each mode"
             )
+        if not isinstance(getattr(aircraft, "_core", None), _core.Aircraft):
+            raise InputError(f"aircraft = {aircraft!r} is not an Aircraft")
         core = _core.Modes.measured(aircraft._core, omega, ratio, shapes)
-        self._fill(aircraft, core, (Modes, (aircraft, omega, ratio, shapes)))
+        self._fill(aircraft, core)
+        self._rebuild = (Modes, (aircraft, self.omega, self.damping_ratio, self.shapes))
 
     @classmethod
     def _natural(cls, aircraft: Aircraft, damping_ratio: ArrayLike | None) -> Modes:
         ratio = None
         if damping_ratio is not None:
-            given = np.asanyarray(damping_ratio)
+            given = any_array("damping_ratio", damping_ratio)
             ratio = array("damping_ratio", given.reshape(1) if given.ndim == 0 else given)
             # One number stands for all modes; an array says each.
             if given.ndim == 1 and given.size == 1 and np.linalg.matrix_rank(aircraft.geometry) > 1:
                 raise InputError("damping_ratio has 1 entry, one a mode expected; pass a number for all")
         modes = cls.__new__(cls)
         core = _core.Modes.natural(aircraft._core, ratio)
-        modes._fill(aircraft, core, (cls._natural, (aircraft, ratio)))
+        modes._fill(aircraft, core)
+        modes._rebuild = (cls._natural, (aircraft, None if ratio is None else modes.damping_ratio))
         return modes
 
-    def _fill(
-        self,
-        aircraft: Aircraft,
-        core: _core.Modes,
-        rebuild: tuple[Callable[..., Modes], tuple[Any, ...]],
-    ) -> None:
+    def _fill(self, aircraft: Aircraft, core: _core.Modes) -> None:
         self.aircraft = aircraft
         self._core = core
-        self._rebuild = rebuild
         self.omega = read_only(core.omega())
         self.damping_ratio = read_only(core.damping_ratio())
         self.shapes = read_only(core.shapes())
@@ -124,7 +122,7 @@ class Modes:
     @property
     def frequency_hz(self) -> NDArray[np.float64]:
         """Undamped natural frequencies ω/2π, shape (m,) [Hz]."""
-        return self.omega / (2.0 * np.pi)
+        return read_only(self.omega / (2.0 * np.pi))
 
     @property
     def node(self) -> NDArray[np.float64]:
@@ -134,7 +132,7 @@ class Modes:
         Forward of the centre of gravity. Infinite for pure bounce, NaN for a mode that leaves
         the whole centreline at rest (roll).
         """
-        return self._core.node()
+        return read_only(self._core.node())
 
     @property
     def damping_coupling(self) -> NDArray[np.float64]:
@@ -144,7 +142,7 @@ class Modes:
         ``|C_ij| / sqrt(C_ii C_jj)`` with C the gears' damping in modal coordinates; 0 on the
         diagonal, which is kept, and where a mode has no damper.
         """
-        return self._core.damping_coupling()
+        return read_only(self._core.damping_coupling())
 
     def __reduce__(self) -> tuple[Callable[..., Modes], tuple[Any, ...]]:
         """Pickle by what the modes were made of."""

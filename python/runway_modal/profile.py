@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from . import _core
 from ._core import InputError
-from ._input import array, number
+from ._input import array, finite, number, read_only
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
 
@@ -32,7 +33,7 @@ class Profile:
     ------
     InputError
         If the arrays differ in length or are empty, a value is not finite, a station
-        decreases, or a slope leaves the range of double precision.
+        decreases, or an elevation or a slope exceeds 1e100.
 
     Notes
     -----
@@ -85,7 +86,7 @@ class Profile:
         Raises
         ------
         InputError
-            If `stations` is not a one-dimensional array of numbers.
+            If `stations` is not a one-dimensional array of numbers or one is NaN.
 
         Examples
         --------
@@ -93,7 +94,11 @@ class Profile:
         >>> rm.Profile.full_mat().elevation([6.0, 100.0])
         array([0.75, 1.5 ])
         """
-        return self._core.elevation(array("stations", stations))
+        where = array("stations", stations)
+        bad = np.flatnonzero(np.isnan(where))
+        if bad.size:
+            raise InputError(f"stations[{bad[0]}] = nan is not a number")
+        return read_only(self._core.elevation(where))
 
     @classmethod
     def mat(
@@ -130,8 +135,8 @@ class Profile:
         >>> rm.Profile.mat(120.0).z
         array([0. , 1.5, 1.5, 0. ])
         """
-        length, height = number("length", length), number("height", height)
-        ramp, start = number("ramp", ramp), number("start", start)
+        length, height = finite("length", length), finite("height", height)
+        ramp, start = number("ramp", ramp), finite("start", start)
         if not length > 0:
             raise InputError(f"length = {length!r} is not positive")
         if not 0 <= 2 * ramp <= length:
@@ -173,7 +178,7 @@ class Profile:
         >>> rm.Profile.spall(24.0, 1.5).z
         array([ 0. , -1.5, -1.5,  0. ])
         """
-        return cls.mat(length, -number("depth", depth), ramp, start)
+        return cls.mat(length, -finite("depth", depth), ramp, start)
 
     @classmethod
     def one_minus_cosine(
@@ -333,7 +338,7 @@ class Profile:
         >>> rm.Profile.double_spall().x
         array([ 0.,  0., 24., 24., 48., 48., 72., 72.])
         """
-        spacing = number("spacing", spacing)
+        spacing = finite("spacing", spacing)
         if not spacing >= 24.0:
             raise InputError(f"spacing = {spacing!r} is less than a spall's width, 24")
         one = cls.two_foot_spall(depth, ramp)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._input import array, read_only
+from ._input import any_array, array, read_only
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -249,3 +249,12 @@ class Response:
             f"gears {', '.join(self.modes.aircraft.gear_names)}>"
         )
 
+<<<<<<< ours
+=======
+
+def checked_times(run: _core.Run, times: ArrayLike) -> NDArray[np.float64]:
+    """Own copy of a caller's times, checked."""
+    checked = array("times", np.atleast_1d(any_array("times", times))).copy()
+    run.check_times(checked)
+    return checked
+>>>>>>> theirs

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from ._core import InputError
-from ._input import number
+from ._input import finite
 
 #: A nautical mile is 1852 m exactly, an inch 0.0254 m exactly.
 _METRES_PER_SECOND = 1852.0 / 3600.0
@@ -31,7 +31,7 @@ def knots(v: float, length: Literal["in", "m", "ft"] = "in") -> float:
     Raises
     ------
     InputError
-        If `v` is not a number or `length` is not one of the units.
+        If `v` is not a finite number or `length` is not one of the units.
 
     Examples
     --------
@@ -39,6 +39,7 @@ def knots(v: float, length: Literal["in", "m", "ft"] = "in") -> float:
     >>> round(rm.knots(20), 4)
     405.0744
     """
-    if length not in _METRES:
+    if not isinstance(length, str) or length not in _METRES:
         raise InputError(f"length = {length!r} is none of {', '.join(map(repr, _METRES))}")
-    return number("v", v) * _METRES_PER_SECOND / _METRES[length]
+    speed = finite("v", v)
+    return finite("v in the new unit", speed * _METRES_PER_SECOND / _METRES[length])

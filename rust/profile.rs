@@ -263,6 +263,9 @@ impl Profile {
             x.push(slope.x[i]);
             z.push(mean);
         }
+        if let (Some(end), Some(&level)) = (z.last_mut(), self.z.last()) {
+            *end = level; // the sum of all pieces, less their rounding
+        }
         Self::new(x, z)
     }
 }

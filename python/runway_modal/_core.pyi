@@ -3,10 +3,22 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "Aircraft",
+    "Gear",
+    "InputError",
+    "Modes",
+    "NumericalError",
+    "Profile",
+    "Run",
+    "series",
+]
+
 class InputError(ValueError): ...
 class NumericalError(ArithmeticError): ...
 
 def series(strut: float, tire: float) -> float: ...
+
 @final
 class Gear:
     def __new__(cls, name: str, x: float, y: float, stiffness: float, damping: float) -> Gear: ...

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -162,7 +163,7 @@ class Aircraft:
         for key in ("mass", "pitch_inertia", "roll_inertia", "gravity"):
             object.__setattr__(self, key, number(key, getattr(self, key)))
         object.__setattr__(self, "gears", _gears(self.gears))
-        object.__setattr__(self, "stations", _stations(self.stations))
+        object.__setattr__(self, "stations", MappingProxyType(_stations(self.stations)))
         core = _core.Aircraft(
             self.mass,
             self.pitch_inertia,
@@ -286,16 +287,16 @@ class Aircraft:
 
     def _values(self) -> dict[str, Any]:
         keys = ("mass", "pitch_inertia", "roll_inertia", "gears", "gravity", "stations")
-        return {key: getattr(self, key) for key in keys}
+        return {**{key: getattr(self, key) for key in keys}, "stations": dict(self.stations)}
 
     def __reduce__(self) -> tuple[partial[Aircraft], tuple[()]]:
         """Pickle by values."""
         return partial(Aircraft, **self._values()), ()
 
 
-def _gears(gears: object) -> tuple[Gear, ...]:
+def _gears(gears: Any) -> tuple[Gear, ...]:
     try:
-        each = tuple(gears)  # type: ignore[arg-type]
+        each = tuple(gears)
     except TypeError:
         raise InputError(f"gears = {gears!r} is not a sequence of Gear") from None
     for i, gear in enumerate(each):
@@ -316,7 +317,9 @@ def _stations(stations: Mapping[str, tuple[float, float]]) -> dict[str, tuple[fl
         if not (abs(arms) <= 1e100).all():
             raise InputError(f"{key} = {tuple(arms.tolist())} is not finite and within 1e100")
         if name == "cg" and arms.any():
-            raise InputError(f"{key} = {tuple(arms.tolist())}: 'cg' is the centre of gravity, (0, 0)")
+            raise InputError(
+                f"{key} = {tuple(arms.tolist())}: 'cg' is the centre of gravity, (0, 0)"
+            )
         points[name] = (float(arms[0]), float(arms[1]))
     return points
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from ._core import Modes as CoreModes
     from .aircraft import Aircraft
 
 
@@ -70,7 +71,7 @@ class Modes:
     damping_ratio: NDArray[np.float64]
     #: Mode shapes, shape (3, m): rows bounce, pitch, roll; ΦᵀMΦ = I (Eq. 7).
     shapes: NDArray[np.float64]
-    _core: _core.Modes
+    _core: CoreModes
     _rebuild: tuple[Callable[..., Modes], tuple[Any, ...]]
 
     def __init__(
@@ -105,14 +106,16 @@ class Modes:
             ratio = array("damping_ratio", given.reshape(1) if given.ndim == 0 else given)
             # One number stands for all modes; an array says each.
             if given.ndim == 1 and given.size == 1 and np.linalg.matrix_rank(aircraft.geometry) > 1:
-                raise InputError("damping_ratio has 1 entry, one a mode expected; pass a number for all")
+                raise InputError(
+                    "damping_ratio has 1 entry, one a mode expected; pass a number for all"
+                )
         modes = cls.__new__(cls)
         core = _core.Modes.natural(aircraft._core, ratio)
         modes._fill(aircraft, core)
         modes._rebuild = (cls._natural, (aircraft, None if ratio is None else modes.damping_ratio))
         return modes
 
-    def _fill(self, aircraft: Aircraft, core: _core.Modes) -> None:
+    def _fill(self, aircraft: Aircraft, core: CoreModes) -> None:
         self.aircraft = aircraft
         self._core = core
         self.omega = read_only(core.omega())
@@ -151,6 +154,7 @@ class Modes:
     def __repr__(self) -> str:
         """Frequencies and damping ratios."""
         listing = ", ".join(
-            f"{f:.4g} Hz ζ={z:.3g}" for f, z in zip(self.frequency_hz, self.damping_ratio, strict=True)
+            f"{f:.4g} Hz ζ={z:.3g}"
+            for f, z in zip(self.frequency_hz, self.damping_ratio, strict=True)
         )
         return f"<Modes: {listing}>"

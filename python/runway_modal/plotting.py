@@ -88,7 +88,9 @@ def _tracks(panel: Any, response: Response, gears: Mapping[str, str]) -> None:
     names = response.modes.aircraft.gear_names
     for (gear, label), style in zip(gears.items(), ("-", ":"), strict=False):
         elevation = response.elevation[:, names.index(gear)]
-        panel.plot(response.time, elevation, "k", ls=style, lw=1.1, label=f"under the {label.lower()}")
+        panel.plot(
+            response.time, elevation, "k", ls=style, lw=1.1, label=f"under the {label.lower()}"
+        )
     high = float(np.abs(response.elevation).max()) or 1.0
     panel.set_ylim(min(0.0, response.elevation.min()) - 0.15 * high, 1.9 * high)
     panel.set_ylabel("elevation [in]")

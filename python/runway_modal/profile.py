@@ -13,6 +13,8 @@ from ._input import array, finite, number, read_only
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from ._core import Profile as CoreProfile
+
 
 class Profile:
     """
@@ -48,13 +50,13 @@ class Profile:
     """
 
     __slots__ = ("_core",)
-    _core: _core.Profile
+    _core: CoreProfile
 
     def __init__(self, x: ArrayLike, z: ArrayLike) -> None:
         self._core = _core.Profile(array("x", x), array("z", z))
 
     @classmethod
-    def _wrap(cls, core: _core.Profile) -> Profile:
+    def _wrap(cls, core: CoreProfile) -> Profile:
         profile = cls.__new__(cls)
         profile._core = core
         return profile
@@ -145,9 +147,7 @@ class Profile:
         return cls(stations, [0.0, height, height, 0.0])
 
     @classmethod
-    def spall(
-        cls, length: float, depth: float, ramp: float = 0.0, start: float = 0.0
-    ) -> Profile:
+    def spall(cls, length: float, depth: float, ramp: float = 0.0, start: float = 0.0) -> Profile:
         """
         Spall: a cut in the surface, down and up again.
 
@@ -306,9 +306,7 @@ class Profile:
         return cls.spall(24.0, depth, ramp)
 
     @classmethod
-    def double_spall(
-        cls, depth: float = 1.5, ramp: float = 0.0, spacing: float = 48.0
-    ) -> Profile:
+    def double_spall(cls, depth: float = 1.5, ramp: float = 0.0, spacing: float = 48.0) -> Profile:
         """
         Two two-foot spalls in a row, the report's Figure 13, in inches.
 
@@ -379,7 +377,7 @@ class Profile:
 
     def footprint(self, length: float, tolerance: float | None = None) -> Profile:
         """
-        What a tire of finite contact length feels: the mean elevation under it.
+        Envelope the profile: the mean elevation under a tire of finite contact length.
 
         The mean of a piecewise-linear profile is piecewise quadratic. It is evaluated exactly
         and each quadratic piece is replaced by as many equal chords as keep within
@@ -434,6 +432,5 @@ class Profile:
         x, z = self.x, self.z
         if x.size <= 8:
             return f"Profile(x={x.tolist()}, z={z.tolist()})"
-        return (
-            f"<Profile: {x.size} breakpoints, x {x[0]:g} to {x[-1]:g}, z {z.min():g} to {z.max():g}>"
-        )
+        span = f"x {x[0]:g} to {x[-1]:g}, z {z.min():g} to {z.max():g}"
+        return f"<Profile: {x.size} breakpoints, {span}>"

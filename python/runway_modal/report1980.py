@@ -19,7 +19,7 @@ from .simulate import simulate
 from .units import knots
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from numpy.typing import NDArray
 
@@ -33,12 +33,15 @@ DAMPING_RATIO = 0.01
 MAT_SPEED = knots(20.0)
 
 
+Stiffness = Literal["static", "equivalent"]
+
+
 @dataclass(frozen=True, slots=True)
 class PrintedModes:
     """Modes as a table of the report prints them: bounce and pitch modes, then roll."""
 
     title: str
-    stiffness: Literal["static", "equivalent"]
+    stiffness: Stiffness
     #: Circular frequencies [rad/s].
     omega: tuple[float, float, float]
     #: Shapes {bounce, pitch, roll}, one a mode; Mode 2 has the opposite sign to ours.
@@ -99,7 +102,7 @@ def after_over_on(response: Response, profile: Profile) -> NDArray[np.float64]:
     return np.array([load_range(g, off, end) / load_range(g, *on[:, g]) for g in range(arms.size)])
 
 
-def full_mat(stiffness: Literal["static", "equivalent"]) -> Response:
+def full_mat(stiffness: Stiffness) -> Response:
     """
     Run the full mat at 20 knots (Figures 10 and 12).
 
@@ -148,13 +151,13 @@ def _extremes(response: Response) -> Iterator[str]:
         )
 
 
-def lines(responses: dict[str, Response]) -> Iterator[str]:
+def lines(responses: Mapping[Stiffness, Response]) -> Iterator[str]:
     """
     Text of the comparison, line by line.
 
     Parameters
     ----------
-    responses : dict of str to Response
+    responses : mapping of str to Response
         Runs by stiffness, "static" and "equivalent".
 
     Yields

@@ -23,20 +23,36 @@ class Extremes:
     True extremes of a response over its time span, between samples too.
 
     Found as zeros of the derivative of the continuous solution. At a vertical step both
-    sides count; of equal peaks the first.
+    sides count; of equal peaks the first. `Response.extremes` makes it.
+
+    Parameters
+    ----------
+    max_load : ndarray, shape (g,)
+        Largest compression load of each gear [force].
+    time_of_max : ndarray, shape (g,)
+        When it occurs [time].
+    min_load : ndarray, shape (g,)
+        Smallest compression load of each gear; ≤ 0 where the gear unloads [force].
+    time_of_min : ndarray, shape (g,)
+        When it occurs [time].
+    max_acceleration : dict of str to float
+        Largest magnitude of vertical acceleration at each station [length/time²].
+    time_of_max_acceleration : dict of str to float
+        When it occurs [time].
+
+    Examples
+    --------
+    >>> import runway_modal as rm
+    >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+    >>> response.extremes().time_of_max.round(2)
+    array([2.71, 3.27, 3.27])
     """
 
-    #: Largest compression load of each gear, shape (g,) [force].
     max_load: NDArray[np.float64]
-    #: When it occurs, shape (g,) [time].
     time_of_max: NDArray[np.float64]
-    #: Smallest compression load of each gear, shape (g,) [force]; ≤ 0 where the gear unloads.
     min_load: NDArray[np.float64]
-    #: When it occurs, shape (g,) [time].
     time_of_min: NDArray[np.float64]
-    #: Largest magnitude of vertical acceleration at each station [length/time²].
     max_acceleration: dict[str, float]
-    #: When it occurs [time].
     time_of_max_acceleration: dict[str, float]
 
 
@@ -97,7 +113,7 @@ class Response:
             modal.resize((rows, columns), refcheck=False)
             rate.resize((rows, columns), refcheck=False)
         else:
-            time = array("times", np.atleast_1d(np.asanyarray(times))).copy()
+            time = array("times", np.atleast_1d(any_array("times", times))).copy()
             run.check_times(time)
             modal, rate = np.empty((time.size, columns)), np.empty((time.size, columns))
             run.states(time, modal, rate)
@@ -200,7 +216,7 @@ class Response:
 
     def extremes(self) -> Extremes:
         """
-        True extremes between the first and the last of the sample times.
+        Find the true extremes between the first and the last of the sample times.
 
         Returns
         -------
@@ -248,13 +264,3 @@ class Response:
             f"<Response: {self.time.size} times from {self.time[0]:g} to {self.time[-1]:g}, "
             f"gears {', '.join(self.modes.aircraft.gear_names)}>"
         )
-
-<<<<<<< ours
-=======
-
-def checked_times(run: _core.Run, times: ArrayLike) -> NDArray[np.float64]:
-    """Own copy of a caller's times, checked."""
-    checked = array("times", np.atleast_1d(any_array("times", times))).copy()
-    run.check_times(checked)
-    return checked
->>>>>>> theirs

@@ -81,7 +81,7 @@ def simulate(
     >>> import runway_modal as rm
     >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
     >>> response.extremes().max_load.round(-2)
-    array([11100., 42400., 42400.])
+    array([12900., 43700., 43700.])
     """
     if not isinstance(modes, Modes):
         raise InputError(f"modes = {modes!r} is not a Modes; see Aircraft.modes")

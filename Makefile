@@ -1,0 +1,116 @@
+# Everything runs in .venv, made here from PYTHON; no environment needs to be activated.
+PYTHON ?= python3
+
+VENV := .venv
+BIN := $(VENV)/bin
+PY := $(BIN)/python
+MADE := $(VENV)/.made
+DEV := $(VENV)/.dev
+# maturin puts the extension beside the Python sources: it is its own time stamp.
+CORE := python/runway_modal/_core.abi3.so
+SOURCES := Cargo.toml Cargo.lock pyproject.toml $(wildcard rust/*.rs)
+
+# maturin and pyo3 must see this environment and no other.
+export VIRTUAL_ENV := $(CURDIR)/$(VENV)
+export PYO3_PYTHON := $(CURDIR)/$(PY)
+export PATH := $(CURDIR)/$(BIN):$(PATH)
+unexport CONDA_PREFIX PYTHONHOME PYTHONPATH
+
+export PIP_QUIET := 1
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+# Figures are drawn to files.
+export MPLBACKEND := Agg
+
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+MAKEFLAGS += --no-builtin-rules
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+.PHONY: help demo test fmt lint lint-rust lint-python test-rust test-python bench bench-smoke \
+	accuracy slow clean toolchain
+
+help: ## this list
+	@awk -F '## ' '/^[a-z-]+:.*## / { split($$1, target, ":"); printf "  make %-13s %s\n", target[1], $$2 }' Makefile
+
+demo: $(CORE) ## the report's aircraft over the full mat: tables and a figure
+	$(PY) -m runway_modal.report1980
+
+test: ## everything CI runs
+	@$(MAKE) --no-print-directory lint
+	@$(MAKE) --no-print-directory test-rust
+	@$(MAKE) --no-print-directory bench-smoke
+	@$(MAKE) --no-print-directory test-python
+
+fmt: $(DEV) ## format all sources
+	cargo fmt
+	$(BIN)/ruff check --fix-only --quiet .
+	$(BIN)/ruff format .
+
+lint: lint-python lint-rust ## formatting, lints, types, stubs, documentation
+
+lint-python: $(DEV)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy --strict
+	$(PY) -m mypy.stubtest runway_modal._core
+
+lint-rust: $(MADE)
+	cargo fmt --check
+	cargo clippy --quiet --locked --all-targets -- -D warnings
+	cargo clippy --quiet --locked --all-targets --all-features -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --quiet --locked --no-deps
+
+# Without the feature `python`: the core stands alone.
+test-rust: toolchain ## the core's tests, without Python
+	cargo test --quiet --locked
+
+test-python: $(DEV) ## examples in docstrings, then the tests
+	$(BIN)/pytest --quiet --doctest-modules python/runway_modal
+	$(BIN)/pytest
+
+bench: $(DEV) ## speed and memory, measured against peers; minutes
+	cargo bench --locked
+	for script in long_profile one_mat memory; do $(PY) benches/$$script.py; done
+
+bench-smoke: $(DEV) ## the same at tiny sizes: does it run?
+	cargo bench --quiet --locked --no-run
+	cargo bench --quiet --locked -- --test
+	for script in long_profile one_mat memory; do $(PY) -W error benches/$$script.py --quick; done
+
+accuracy: $(DEV) ## table of errors against 40-digit arithmetic
+	$(PY) tests/accuracy.py
+
+slow: $(DEV) ## the tests that take minutes
+	$(BIN)/pytest -m slow
+
+clean: ## remove all that was made
+	rm -rf .venv target .pytest_cache .mypy_cache .ruff_cache .hypothesis $(CORE)
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+toolchain:
+	@command -v cargo >/dev/null || { echo "error: no cargo; install Rust from https://rustup.rs" >&2; exit 1; }
+	@command -v cc >/dev/null || { echo "error: no linker; apt install build-essential" >&2; exit 1; }
+	@need=$$(sed -n 's/^rust-version = "1\.\([0-9]*\).*/\1/p' Cargo.toml); \
+	have=$$(cargo --version | sed 's/^cargo 1\.\([0-9]*\).*/\1/'); \
+	[[ $$have -ge $$need ]] || { echo "error: Rust 1.$$need or later needed, found 1.$$have; rustup update" >&2; exit 1; }
+
+# Names what is missing rather than failing half way.
+$(MADE): | toolchain
+	@command -v $(PYTHON) >/dev/null || { echo "error: no $(PYTHON); apt install python3" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+		|| { echo "error: Python 3.11 or later needed, found $$($(PYTHON) -V); set PYTHON=..." >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null \
+		|| { echo "error: $(PYTHON) cannot make environments; apt install python3-venv" >&2; exit 1; }
+	$(PYTHON) -m venv --clear $(VENV)
+	@# The build tool at the version that pyproject.toml asks for.
+	$(PY) -m pip install "$$($(PY) -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"])')"
+	@touch $@
+
+$(CORE): $(MADE) $(SOURCES)
+	$(BIN)/maturin develop --release --locked --quiet --extras plot
+	@touch $@
+
+$(DEV): $(MADE) pyproject.toml | $(CORE)
+	$(BIN)/maturin develop --release --locked --quiet --extras bench,dev,plot
+	@touch $@ $(CORE)

@@ -1,0 +1,139 @@
+//! Laws of the whole march, through the interface of the core alone.
+
+use std::sync::Arc;
+
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use runway_modal::aircraft::{Aircraft, Gear, Inertia};
+use runway_modal::{modes::Modes, profile::Profile, readout::Quantity, run::Run};
+
+const SPEED: f64 = 405.0744; // 20 kt in in/s
+
+/// The report's aircraft, Tables 1 and 2, with dampers.
+fn aircraft() -> Arc<Aircraft> {
+    let inertia = Inertia { mass: 145.5, pitch: 1.92e6, roll: 6.56e5, gravity: 386.0886 };
+    let gear = |name, x, y, stiffness| Gear::new(name, x, y, stiffness, 20.0).unwrap();
+    let gears = vec![
+        gear("nose", 234.9, 0.0, 1502.0),
+        gear("left", -44.35, 109.25, 9102.0),
+        gear("right", -44.35, -109.25, 9102.0),
+    ];
+    Arc::new(Aircraft::new(inertia, gears).unwrap())
+}
+
+fn run(tracks: [&Profile; 3], zeta: f64, damping_input: bool) -> Run {
+    let modes = Arc::new(Modes::natural(aircraft(), Some(&[zeta])).unwrap());
+    let tracks = tracks.map(|profile| Arc::new(profile.clone()));
+    Run::new(modes, &tracks, SPEED, damping_input).unwrap()
+}
+
+/// Three numbers a time: one a gear or one a freedom.
+fn read(run: &Run, quantity: &Quantity, times: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; 3 * times.len()];
+    run.read(quantity, times, &mut out, &mut || Ok(())).unwrap();
+    out
+}
+
+fn every_tenth() -> Vec<f64> {
+    (0..60).map(|i| 0.1 * f64::from(i)).collect()
+}
+
+/// Breakpoints up to 50 in apart, elevations within 2 in.
+fn profile() -> impl Strategy<Value = Profile> {
+    prop::collection::vec((0.01..50.0, -2.0..2.0), 2..40).prop_map(|points| {
+        let (gaps, z): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
+        let x = gaps.iter().scan(0.0, |x, gap| {
+            *x += gap;
+            Some(*x)
+        });
+        Profile::new(x.collect(), z).unwrap()
+    })
+}
+
+/// Agreement as a share of the largest load.
+fn assert_close(found: &[f64], expected: &[f64], share: f64) {
+    let peak = expected.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() <= share * peak, "{found:?} {expected:?}, peak {peak:?}");
+    }
+}
+
+#[test]
+fn a_constant_slope_ends_in_its_static_limit() {
+    let climb = Profile::new(vec![0.0, 1e5], vec![0.0, 1e3]).unwrap();
+    let run = run([&climb; 3], 0.2, false);
+    let late = [200.0];
+    assert_close(&read(&run, &Quantity::CgRate, &late), &[0.01 * SPEED, 0.0, 0.0], 1e-12);
+    for acceleration in read(&run, &Quantity::CgAcceleration, &late) {
+        assert!(acceleration.abs() < 1e-10);
+    }
+    // Level again, higher up, and at rest.
+    let above = [400.0];
+    assert_close(&read(&run, &Quantity::Load, &above), run.modes().aircraft().static_load(), 1e-15);
+    assert_close(&read(&run, &Quantity::GearDisplacement, &above), &[1e3; 3], 1e-14);
+}
+
+#[test]
+fn a_level_runway_at_any_height_gives_static_loads() {
+    for height in [0.0, 1.0, -3e4, 1e5 + 0.1] {
+        let level = Profile::new(vec![0.0, 100.0], vec![height; 2]).unwrap();
+        let run = run([&level; 3], 0.01, false);
+        for row in read(&run, &Quantity::Load, &every_tenth()).chunks_exact(3) {
+            assert_close(row, run.modes().aircraft().static_load(), 2.0 * f64::EPSILON);
+        }
+    }
+}
+
+/// The same cases on every machine; the variable PROPTEST_CASES asks for more of them.
+fn cases() -> ProptestConfig {
+    ProptestConfig { rng_seed: RngSeed::Fixed(1980), failure_persistence: None, ..ProptestConfig::default() }
+}
+
+proptest! {
+    #![proptest_config(cases())]
+
+    #[test]
+    fn a_segment_split_anywhere_changes_nothing(
+        profile in profile(), share in 0.0..1.0, zeta in 0.0..2.0, damping_input: bool,
+    ) {
+        // A breakpoint on the line is only as exact as its elevation: split by hand.
+        let (mut x, mut z) = (profile.x().to_vec(), profile.z().to_vec());
+        let after = x.len() / 2;
+        let station = x[after - 1] + share * (x[after] - x[after - 1]);
+        z.insert(after, profile.elevation(station));
+        x.insert(after, station);
+        let split = Profile::new(x, z).unwrap();
+        let loads = |profile| {
+            let run = run([profile; 3], zeta, damping_input);
+            // Between knots; a slope of a very short piece carries its elevation's last bit.
+            read(&run, &Quantity::GearDisplacement, &every_tenth())
+        };
+        assert_close(&loads(&split), &loads(&profile), 1e-13);
+    }
+
+    #[test]
+    fn left_and_right_mirror(
+        nose in profile(), left in profile(), right in profile(), zeta in 0.0..2.0, damping_input: bool,
+    ) {
+        let load = |tracks| read(&run(tracks, zeta, damping_input), &Quantity::Load, &every_tenth());
+        let mut mirrored = load([&nose, &right, &left]);
+        for row in mirrored.chunks_exact_mut(3) {
+            row.swap(1, 2);
+        }
+        assert_close(&mirrored, &load([&nose, &left, &right]), 1e-13);
+    }
+
+    #[test]
+    fn extremes_hold_every_sample(profile in profile(), zeta in 0.0..0.5) {
+        let run = run([&profile; 3], zeta, false);
+        let times = every_tenth();
+        let span = (times[0], times[times.len() - 1]);
+        let extremes = run.extremes(&[Quantity::Load], span, &mut || Ok(())).unwrap();
+        for row in read(&run, &Quantity::Load, &times).chunks_exact(3) {
+            for (load, extreme) in row.iter().zip(&extremes) {
+                let room = 1e-12 * extreme.max.abs();
+                prop_assert!(extreme.min - room <= *load && *load <= extreme.max + room);
+            }
+        }
+    }
+}

@@ -1,0 +1,69 @@
+"""Every public name is documented: summary, parameters, returns, raises, an example."""
+
+import ast
+import functools
+import importlib
+import inspect
+import pkgutil
+import textwrap
+import tomllib
+from pathlib import Path
+
+import pytest
+from numpydoc.validate import validate
+
+import runway_modal
+
+PYPROJECT = Path(__file__).parents[1] / "pyproject.toml"
+CHECKS = set(tomllib.loads(PYPROJECT.read_text())["tool"]["numpydoc_validation"]["checks"])
+
+#: Read like attributes: no call, so no example of one.
+ATTRIBUTES = (property, functools.cached_property)
+
+
+def public() -> dict[str, object]:
+    """Classes and functions named in any `__all__`, with the members of the classes."""
+    package = runway_modal.__name__
+    inner = (f"{package}.{module.name}" for module in pkgutil.iter_modules(runway_modal.__path__))
+    found = {}
+    for module in (package, *(name for name in inner if "._" not in name)):
+        members = importlib.import_module(module)
+        for name in getattr(members, "__all__", ()):
+            value = getattr(members, name)
+            if inspect.isfunction(value):
+                found[f"{module}.{name}"] = value
+            # The compiled classes in it are the exceptions: nothing to call.
+            if inspect.isclass(value) and not issubclass(value, Exception):
+                found[f"{module}.{name}"] = value
+                found |= {
+                    f"{module}.{name}.{member}": inner
+                    for member, inner in vars(value).items()
+                    if not member.startswith("_") and is_documentable(inner)
+                }
+    return found
+
+
+def is_documentable(member: object) -> bool:
+    kinds = (*ATTRIBUTES, classmethod, staticmethod)
+    return inspect.isfunction(member) or isinstance(member, kinds)
+
+
+def raises(function: object) -> bool:
+    """Whether a function's own text raises anything."""
+    source = textwrap.dedent(inspect.getsource(function))
+    return any(isinstance(node, ast.Raise) for node in ast.walk(ast.parse(source)))
+
+
+PUBLIC = public()
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_documented(name: str) -> None:
+    value = PUBLIC[name]
+    skipped = {"EX01"} if isinstance(value, ATTRIBUTES) else set()
+    result = validate(name)
+    wrong = [f"{code}: {text}" for code, text in result["errors"] if code in CHECKS - skipped]
+    assert not wrong, f"{name} in {result['file']}:{result['file_line']}"
+    function = getattr(value, "__func__", value)
+    if inspect.isfunction(function) and raises(function):
+        assert "Raises\n" in inspect.getdoc(function), f"{name} raises; Raises is missing"

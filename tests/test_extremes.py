@@ -1,0 +1,280 @@
+"""`Response.extremes` against dense evaluation and root finding on `Response.at`."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+import runway_modal as rm
+
+#: Relative to the larger of |maximum| and |minimum|.
+TOLERANCE = 1e-10
+
+Signal = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+
+def signal(response: rm.Response, of: int | str, sign: float = 1.0) -> Signal:
+    """Load of a gear, or acceleration of a station, as a function of time."""
+
+    def evaluate(times: NDArray[np.float64]) -> NDArray[np.float64]:
+        at = response.at(times)
+        return sign * (at.load[:, of] if isinstance(of, int) else at.acceleration[of])
+
+    return evaluate
+
+
+def grid_times(response: rm.Response, per_period: int) -> NDArray[np.float64]:
+    """Equidistant times, so many a period of the fastest mode."""
+    first, last = response.time[0], response.time[-1]
+    periods = (last - first) * response.modes.omega.max() / (2 * np.pi)
+    return np.linspace(first, last, int(min(4e5, periods * per_period)) + 3)
+
+
+def true_maximum(times: NDArray[np.float64], of: Signal) -> float:
+    """Largest value of a signal: the tallest summits of a grid refined by Brent's method."""
+    values = of(times)
+    best = float(values.max())
+    f0, f1, f2 = values[:-2], values[1:-1], values[2:]
+    # Ranked by the parabola through three samples: a grid misses most of a tall summit.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        bulge = np.where(f1 > np.minimum(f0, f2), (f2 - f0) ** 2 / (8 * (2 * f1 - f0 - f2)), 0.0)
+    summit = np.where((f1 >= f0) & (f1 >= f2), f1 + bulge, -np.inf)
+    for peak in np.argsort(-summit)[:8]:
+        found = minimize_scalar(
+            lambda t: -of(np.array([t]))[0],
+            bounds=(times[peak], times[peak + 2]),
+            method="bounded",
+            options={"xatol": 1e-12 * max(1.0, times[peak])},
+        )
+        best = max(best, -float(found.fun))
+    return best
+
+
+def check(
+    response: rm.Response, per_period: int = 64, knots: NDArray[np.float64] | None = None
+) -> None:
+    """Compare every extreme of a response, and the times given, with the search above."""
+    extremes = response.extremes()
+    times = grid_times(response, per_period)
+    # Both sides of every sample: knots and vertical steps are among them.
+    at = response.time if knots is None else np.union1d(response.time, knots)
+    sides = np.sort(np.concatenate([np.nextafter(at, -np.inf), at]))
+    sampled = response.at(sides[(sides >= response.time[0]) & (sides <= response.time[-1])])
+    for gear in range(response.load.shape[1]):
+        load = sampled.load[:, gear]
+        high = max(load.max(), true_maximum(times, signal(response, gear)))
+        low = min(load.min(), -true_maximum(times, signal(response, gear, -1.0)))
+        scale = max(abs(high), abs(low))
+        assert abs(extremes.max_load[gear] - high) <= TOLERANCE * scale
+        assert abs(extremes.min_load[gear] - low) <= TOLERANCE * scale
+        for value, when in (
+            (extremes.max_load[gear], extremes.time_of_max[gear]),
+            (extremes.min_load[gear], extremes.time_of_min[gear]),
+        ):
+            assert response.time[0] <= when <= response.time[-1]
+            # At a vertical step the extreme may be the side before it, and times round.
+            near = np.sort(when + np.spacing(when) * np.arange(-4, 5))
+            assert abs(response.at(near).load[:, gear] - value).min() <= 1e-9 * scale
+    for name, size in extremes.max_acceleration.items():
+        high, low = (true_maximum(times, signal(response, name, sign)) for sign in (1.0, -1.0))
+        peak = max(high, low, abs(sampled.acceleration[name]).max())
+        assert abs(size - peak) <= TOLERANCE * peak
+
+
+def craft(*damping: float) -> rm.Aircraft:
+    """Crooked aircraft, no symmetry, with a pilot; three gears and a fourth if given a damper."""
+    places = [
+        (210.0, 13.0, 1700.0),
+        (-37.0, 101.0, 8800.0),
+        (-52.0, -117.0, 7300.0),
+        (5.0, 40.0, 3e3),
+    ]
+    count = max(3, len(damping))
+    dampers = (*damping, *[0.0] * (count - len(damping)))
+    return rm.Aircraft(
+        mass=145.5,
+        pitch_inertia=1.92e6,
+        roll_inertia=6.56e5,
+        gears=[
+            rm.Gear(name, *place, damper)
+            for name, place, damper in zip("abcd", places[:count], dampers, strict=False)
+        ],
+        stations={"pilot": (250.0, 10.0)},
+    )
+
+
+def rough(seed: int, points: int, steps: bool) -> rm.Profile:
+    """Random profile with uneven segments, a few of them vertical."""
+    random = np.random.default_rng(seed)
+    run = random.exponential(20.0, points)
+    if steps:
+        run[random.random(points) < 0.2] = 0.0
+    return rm.Profile(np.cumsum(run), random.normal(0.0, 1.0, points))
+
+
+PROFILES = {
+    "mat": rm.Profile.full_mat(),
+    "sharp mat": rm.Profile.half_mat(),
+    "spall": rm.Profile.two_foot_spall(),
+    "double spall": rm.Profile.double_spall(ramp=3.0),
+    "bump": rm.Profile.one_minus_cosine(300.0, 2.0),
+    "rough": rough(1, 60, steps=False),
+    "rough with steps": rough(2, 60, steps=True),
+}
+
+
+@pytest.mark.parametrize("name", PROFILES)
+@pytest.mark.parametrize("ratio", [0.0, 0.01, 1.0, 3.0])
+def test_profiles_in_every_damping_regime(name: str, ratio: float) -> None:
+    check(rm.simulate(craft().modes(ratio), PROFILES[name], rm.knots(20)))
+
+
+@pytest.mark.parametrize("ratio", [1.2, 1.3, 50.0, 1000.0])
+@pytest.mark.parametrize("name", ["mat", "sharp mat", "bump"])
+def test_overdamped_far_beyond_critical(name: str, ratio: float) -> None:
+    # Also a matter of time: with bounds that mix a mode's slow and fast exponentials the search
+    # takes hours here.
+    check(rm.simulate(craft().modes(ratio), PROFILES[name], rm.knots(20)))
+
+
+@pytest.mark.parametrize("name", ["mat", "bump", "rough"])
+def test_damping_input(name: str) -> None:
+    modes = craft(40.0, 160.0, 150.0).modes()
+    check(rm.simulate(modes, PROFILES[name], rm.knots(20), damping_input=True))
+
+
+def test_inside_of_a_step_does_not_count() -> None:
+    # Three points at one station: a step from 0 to 1; the spike has no width and is never met.
+    modes = craft().modes(0.01)
+    spike, step = rm.Profile([9, 9, 9], [0, 50, 1]), rm.Profile([9, 9], [0, 1])
+    a, b = (rm.simulate(modes, p, 400.0).extremes() for p in (spike, step))
+    np.testing.assert_allclose(a.max_load, b.max_load, rtol=1e-12)
+    np.testing.assert_allclose(a.min_load, b.min_load, rtol=1e-12)
+
+
+def test_damping_input_over_a_step() -> None:
+    # The step gives the aircraft a blow; both sides of it count, the infinite instant does not.
+    modes = craft(40.0, 160.0, 150.0).modes()
+    check(rm.simulate(modes, PROFILES["sharp mat"], rm.knots(20), damping_input=True))
+
+
+@pytest.mark.parametrize("name", ["mat", "rough with steps"])
+def test_four_gears(name: str) -> None:
+    check(rm.simulate(craft(1.0, 2.0, 3.0, 4.0).modes(0.02), PROFILES[name], rm.knots(20)))
+
+
+def test_a_profile_under_each_gear() -> None:
+    tracks = {"a": PROFILES["rough"], "b": PROFILES["bump"], "c": PROFILES["spall"].shifted(55.5)}
+    check(rm.simulate(craft().modes(0.01), tracks, rm.knots(35)))
+
+
+def test_measured_modes_whose_loads_carry_elevations() -> None:
+    own = craft().modes(0.01)
+    few = rm.Modes(own.aircraft, own.omega[:2] * 1.03, 0.01, own.shapes[:, :2])
+    check(rm.simulate(few, PROFILES["mat"], rm.knots(20)))
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1e-6, 0.01])
+def test_flat_segment_with_a_hundred_cycles(ratio: float) -> None:
+    modes = craft().modes(ratio)
+    duration = 110 * 2 * np.pi / modes.omega[0]
+    check(rm.simulate(modes, PROFILES["mat"], 4000.0, duration=duration), per_period=32)
+
+
+def test_window_inside_a_flat_segment_deep_in_the_decay() -> None:
+    response = rm.simulate(craft().modes(0.003), PROFILES["mat"], 4000.0, duration=40.0)
+    # No knot lies in the window, and its extremes are not those of the run.
+    window = response.at(np.linspace(17.123, 23.777, 50))
+    assert (window.extremes().max_load < response.extremes().max_load).all()
+    check(window)
+
+
+def test_window_covers_first_to_last_time_only() -> None:
+    response = rm.simulate(craft().modes(0.01), PROFILES["mat"], rm.knots(20))
+    when = response.extremes().time_of_max[1]
+    sides = [
+        response.at([0.0, when - 1e-3]),
+        response.at([when - 1e-3, when + 1e-3]),
+        response.at([when + 1e-3, 8.0]),
+    ]
+    highest = [window.extremes().max_load[1] for window in sides]
+    assert highest[1] == pytest.approx(response.extremes().max_load[1], rel=1e-14)
+    assert max(highest[0], highest[2]) < highest[1]
+    for window in sides:
+        check(window, knots=response.time)
+
+
+def test_one_time_is_its_own_extreme() -> None:
+    one = rm.simulate(craft().modes(0.01), PROFILES["mat"], rm.knots(20)).at(1.2345)
+    extremes = one.extremes()
+    np.testing.assert_allclose(extremes.max_load, one.load[0], rtol=1e-14)
+    np.testing.assert_allclose(extremes.min_load, one.load[0], rtol=1e-14)
+    np.testing.assert_array_equal(extremes.time_of_max, 1.2345)
+
+
+def test_both_sides_of_a_step_count() -> None:
+    # A light damper and a slow roll up: the highest load is that just before the drop, which
+    # no sample at the step's own time shows.
+    modes = rm.single_dof(mass=1.0, omega=10.0, damping_ratio=5.0)
+    drop = rm.simulate(modes, rm.Profile([0, 100, 100], [0, 5, 0]), 100.0, times=[0.0, 1.0, 2.0])
+    extremes = drop.extremes()
+    before = drop.at(np.nextafter(1.0, 0.0)).load[0, 0]
+    after = drop.at(1.0).load[0, 0]
+    assert before - after == pytest.approx(500.0)
+    assert extremes.max_load[0] == pytest.approx(before, rel=1e-12)
+    assert extremes.time_of_max[0] == pytest.approx(1.0, abs=1e-15)
+    # The body goes on rising for a moment after the drop.
+    assert after - 5.0 < extremes.min_load[0] < after
+
+
+@pytest.mark.parametrize("height", [0.0, -3.0, 1e5])
+def test_level_runway(height: float) -> None:
+    response = rm.simulate(craft().modes(0.01), rm.Profile([0.0], [height]), 100.0)
+    extremes = response.extremes()
+    np.testing.assert_array_equal(extremes.max_load, response.static_load)
+    np.testing.assert_array_equal(extremes.min_load, response.static_load)
+    assert extremes.max_acceleration == {"cg": 0.0, "pilot": 0.0}
+    assert not response.unloaded.any()
+
+
+def test_acceleration_is_the_larger_of_up_and_down() -> None:
+    modes = rm.single_dof(mass=1.0, omega=10.0, damping_ratio=0.3)
+    for sign in (1.0, -1.0):
+        response = rm.simulate(modes, rm.Profile([0, 0], [0, sign]), 100.0, times=[0.0, 3.0])
+        extremes = response.extremes()
+        # The blow of a unit step: ω² at once, and no more later.
+        assert extremes.max_acceleration["cg"] == pytest.approx(100.0, rel=1e-12)
+        assert extremes.time_of_max_acceleration["cg"] == 0.0
+
+
+def test_first_of_equal_peaks() -> None:
+    modes = rm.single_dof(mass=1.0, omega=2 * np.pi, damping_ratio=0.0)
+    response = rm.simulate(modes, rm.Profile([0, 0], [0, 1]), 1.0, duration=20.0)
+    extremes = response.extremes()
+    # A step without damping: the load swings by k about the static one for ever.
+    k = 4 * np.pi**2
+    np.testing.assert_allclose(extremes.max_load, response.static_load + k, rtol=1e-12)
+    np.testing.assert_allclose(extremes.min_load, response.static_load - k, rtol=1e-12)
+    assert extremes.time_of_max[0] == 0.0
+    assert extremes.time_of_min[0] == pytest.approx(0.5, abs=1e-6)
+
+
+@given(
+    seed=st.integers(0, 10**6),
+    points=st.integers(1, 25),
+    steps=st.booleans(),
+    ratios=st.lists(st.sampled_from([0.0, 1e-3, 0.05, 0.7, 1.0, 2.0]), min_size=3, max_size=3),
+    speed=st.floats(50.0, 3000.0),
+    damping_input=st.booleans(),
+)
+def test_random_runs(
+    seed: int, points: int, steps: bool, ratios: list[float], speed: float, damping_input: bool
+) -> None:
+    modes = craft(40.0, 160.0, 150.0).modes(ratios)
+    profile = rough(seed, points, steps)
+    end = (profile.x[-1] + 262.0) / speed + 1.0
+    check(rm.simulate(modes, profile, speed, duration=end, damping_input=damping_input), 48)

@@ -1,0 +1,247 @@
+"""Profiles: builders, sums, steps, footprints, and that nothing of the caller's is touched."""
+
+import pickle
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.integrate import quad
+
+import runway_modal as rm
+
+
+def around(stations: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Stations with a point just before each and points between them."""
+    between = 0.5 * (stations[1:] + stations[:-1])
+    return np.sort(np.concatenate([stations, np.nextafter(stations, -np.inf), between]))
+
+
+@pytest.mark.parametrize(
+    ("profile", "x", "z"),
+    [
+        (rm.Profile.mat(100.0), [0, 12, 88, 100], [0, 1.5, 1.5, 0]),
+        (rm.Profile.mat(24.0, 2.0, 12.0, 5.0), [5, 17, 17, 29], [0, 2, 2, 0]),
+        (rm.Profile.mat(24.0, 2.0, 0.0, -5.0), [-5, -5, 19, 19], [0, 2, 2, 0]),
+        (rm.Profile.spall(24.0, 1.5, 3.0, 1.0), [1, 4, 22, 25], [0, -1.5, -1.5, 0]),
+        (rm.Profile.full_mat(), [0, 12, 918, 930], [0, 1.5, 1.5, 0]),
+        (rm.Profile.half_mat(), [0, 0, 540, 540], [0, 1.5, 1.5, 0]),
+        (rm.Profile.half_mat(465.0), [0, 0, 465, 465], [0, 1.5, 1.5, 0]),
+        (rm.Profile.two_foot_spall(2.0, 6.0), [0, 6, 18, 24], [0, -2, -2, 0]),
+        (
+            rm.Profile.double_spall(1.0, 2.0, 30.0),
+            [0, 2, 22, 24, 30, 32, 52, 54],
+            [0, -1, -1, 0, 0, -1, -1, 0],
+        ),
+    ],
+)
+def test_builders(profile: rm.Profile, x: list[float], z: list[float]) -> None:
+    np.testing.assert_array_equal(profile.x, x)
+    np.testing.assert_array_equal(profile.z, z)
+
+
+def test_spalls_that_touch() -> None:
+    touching = rm.Profile.double_spall(spacing=24.0)
+    # One wide spall: at the shared edge up and down again cancel.
+    stations = np.linspace(-5.0, 60.0, 1301)
+    wide = rm.Profile.spall(48.0, 1.5)
+    np.testing.assert_array_equal(touching.elevation(stations), wide.elevation(stations))
+
+
+@pytest.mark.parametrize("segments", [2, 3, 64, 1001])
+def test_one_minus_cosine(segments: int) -> None:
+    profile = rm.Profile.one_minus_cosine(80.0, 3.0, segments=segments, start=7.0)
+    assert profile.x.size == segments + 1
+    np.testing.assert_allclose(np.diff(profile.x), 80.0 / segments, rtol=1e-12)
+    curve = 1.5 * (1 - np.cos(2 * np.pi * (profile.x - 7.0) / 80.0))
+    np.testing.assert_allclose(profile.z, curve, rtol=0, atol=1e-14)
+    np.testing.assert_array_equal(profile.z, profile.z[::-1])
+    assert profile.z[0] == profile.z[-1] == 0.0
+    stations = np.linspace(7.0, 87.0, 5001)
+    exact = 1.5 * (1 - np.cos(2 * np.pi * (stations - 7.0) / 80.0))
+    departure = abs(profile.elevation(stations) - exact).max()
+    assert departure <= 3.0 * np.pi**2 / 4 / segments**2 + 1e-14
+
+
+def test_elevation_between_before_and_after() -> None:
+    profile = rm.Profile([0, 10, 10, 20], [1, 3, 5, 4])
+    stations = [-1e9, 0.0, 5.0, np.nextafter(10, 0), 10.0, 15.0, 20.0, 1e9, -np.inf, np.inf]
+    expected = [1, 1, 2, 3, 5, 4.5, 4, 4, 1, 4]
+    np.testing.assert_allclose(profile.elevation(stations), expected, rtol=1e-14)
+    assert profile.elevation([]).shape == (0,)
+
+
+def test_elevation_refuses_nan() -> None:
+    with pytest.raises(rm.InputError, match=r"stations\[1\] = nan"):
+        rm.Profile.full_mat().elevation([0.0, np.nan])
+
+
+STEP_UP = rm.Profile([10, 10], [0, 2])
+DROP = rm.Profile([10, 10], [1, -3])
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [
+        (STEP_UP, DROP),
+        (STEP_UP, rm.Profile([0, 20], [0, 5])),
+        (rm.Profile([10, 20], [1, 2]), STEP_UP),
+        (rm.Profile([0, 10], [1, 2]), STEP_UP),
+        (rm.Profile([0, 10, 10, 30], [0, 1, 2, 3]), rm.Profile([10, 30, 30], [4, 5, 6])),
+        (rm.Profile([3], [7]), STEP_UP),
+        (rm.Profile.full_mat(), rm.Profile.double_spall()),
+    ],
+)
+def test_sum_on_both_sides_of_steps(pair: tuple[rm.Profile, rm.Profile]) -> None:
+    a, b = pair
+    stations = around(np.union1d(a.x, b.x))
+    for total in (a + b, b + a):
+        np.testing.assert_allclose(
+            total.elevation(stations), a.elevation(stations) + b.elevation(stations), atol=1e-14
+        )
+        np.testing.assert_array_equal(np.unique(total.x), np.union1d(a.x, b.x))
+    assert a + b == b + a
+
+
+def test_sum_with_something_else() -> None:
+    with pytest.raises(TypeError):
+        STEP_UP + 1.0  # type: ignore[operator]
+
+
+def test_shifted() -> None:
+    moved = rm.Profile.double_spall(ramp=2.0).shifted(-7.5)
+    np.testing.assert_array_equal(moved.x, rm.Profile.double_spall(ramp=2.0).x - 7.5)
+    np.testing.assert_array_equal(moved.z, rm.Profile.double_spall(ramp=2.0).z)
+
+
+def exact_mean(profile: rm.Profile, length: float, station: float) -> float:
+    """Mean elevation over the contact length, by quadrature between breakpoints."""
+    low, high = station - length / 2, station + length / 2
+    inside = [float(x) for x in np.unique(profile.x) if low < x < high]
+    edges = [low, *inside, high]
+    parts = [
+        quad(lambda s: profile.elevation([s])[0], a, b, epsabs=1e-13, epsrel=1e-13)[0]
+        for a, b in pairwise(edges)
+        if b > a
+    ]
+    return float(sum(parts)) / length
+
+
+@pytest.mark.parametrize("tolerance", [None, 1e-3, 1e-6])
+@pytest.mark.parametrize(
+    ("profile", "length"),
+    [
+        (rm.Profile([5, 5], [0, 2]), 10.0),
+        (rm.Profile.two_foot_spall(), 11.0),
+        (rm.Profile.two_foot_spall(), 24.0),
+        (rm.Profile.spall(4.0, 1.5), 11.0),
+        (rm.Profile.full_mat(), 12.0),
+        (rm.Profile([0, 7, 7, 11, 30], [100, 103, 99, 98, 101]), 9.5),
+    ],
+    ids=["step", "spall", "spall as long", "spall shorter", "mat", "high"],
+)
+def test_footprint_against_quadrature(
+    profile: rm.Profile, length: float, tolerance: float | None
+) -> None:
+    felt = profile.footprint(length, tolerance)
+    allowed = 1e-4 * np.ptp(profile.z) if tolerance is None else tolerance
+    stations = np.linspace(profile.x[0] - length, profile.x[-1] + length, 201)
+    exact = [exact_mean(profile, length, s) for s in stations]
+    error = abs(felt.elevation(stations) - exact)
+    assert error.max() <= allowed * (1 + 1e-9) + 1e-12
+    # Breakpoints lie on the exact curve.
+    on = felt.x[:: max(1, felt.x.size // 50)]
+    exact_on = [exact_mean(profile, length, s) for s in on]
+    np.testing.assert_allclose(
+        felt.elevation(on), exact_on, rtol=0, atol=1e-12 * abs(profile.z).max()
+    )
+
+
+def area(profile: rm.Profile) -> float:
+    return float(np.trapezoid(profile.z, profile.x))
+
+
+def test_footprint_keeps_the_mean() -> None:
+    spall = rm.Profile.spall(4.0, 1.5)
+    for length in (1.0, 4.0, 11.0, 100.0):
+        felt = spall.footprint(length, 1e-7)
+        assert area(felt) == pytest.approx(area(spall), rel=1e-5)
+        # A spall shorter than the contact is felt with the share of it that it takes.
+        assert felt.z.min() == pytest.approx(-1.5 * min(1.0, 4.0 / length), rel=1e-12)
+
+
+def test_footprint_of_a_long_rough_profile_does_not_drift() -> None:
+    random = np.random.default_rng(3)
+    x = np.cumsum(random.exponential(30.0, 5000))
+    profile = rm.Profile(x, 1e5 + random.normal(0.0, 0.5, x.size))
+    felt = profile.footprint(11.0)
+    assert felt.z[0] == profile.z[0]
+    assert felt.z[-1] == pytest.approx(profile.z[-1], abs=1e-8)
+
+
+@pytest.mark.parametrize("length", [1e-300, 1e-12])
+def test_footprint_too_short_for_the_stations(length: float) -> None:
+    # The ends of the contact would round together and the mean would be anything.
+    with pytest.raises(rm.InputError, match=r"length = .* is out of range"):
+        rm.Profile.full_mat().footprint(length)
+
+
+def test_footprint_of_a_level_runway() -> None:
+    for level in (rm.Profile([3], [5]), rm.Profile([0, 9], [5, 5])):
+        np.testing.assert_array_equal(level.footprint(2.0).z, 5.0)
+
+
+def test_repr() -> None:
+    assert repr(rm.Profile([0, 1], [0, 2])) == "Profile(x=[0.0, 1.0], z=[0.0, 2.0])"
+    assert eval(repr(STEP_UP), {"Profile": rm.Profile}) == STEP_UP
+    text = repr(rm.Profile.one_minus_cosine(100.0, 2.0))
+    assert text == "<Profile: 65 breakpoints, x 0 to 100, z 0 to 2>"
+
+
+def test_equality_hash_and_pickle() -> None:
+    a, b = rm.Profile([0, 1], [0, 2]), rm.Profile([0.0, 1.0], (0.0, 2.0))
+    assert a == b
+    assert hash(a) == hash(b)
+    assert a != rm.Profile([0, 1], [0, 3])
+    assert a != rm.Profile([0, 2], [0, 2])
+    assert a != "profile"
+    assert len({a, b}) == 1
+    assert pickle.loads(pickle.dumps(a)) == a
+
+
+def test_views_are_read_only_and_stay_alive() -> None:
+    x = rm.Profile(np.arange(1000.0), np.zeros(1000)).x
+    np.testing.assert_array_equal(x, np.arange(1000.0))
+    for view in (x, STEP_UP.x, STEP_UP.z):
+        assert not view.flags.writeable
+        with pytest.raises(ValueError, match="read-only"):
+            view[0] = 1.0
+        with pytest.raises(ValueError, match="WRITEABLE"):
+            view.flags.writeable = True
+
+
+def test_the_callers_arrays_are_copied_and_left_alone() -> None:
+    x, z = np.array([0.0, 1.0, 2.0]), np.array([0.0, 3.0, 1.0])
+    kept = x.copy(), z.copy()
+    profile = rm.Profile(x, z)
+    profile.footprint(0.5), profile.shifted(1.0), profile + profile, profile.elevation(x)
+    np.testing.assert_array_equal((x, z), kept)
+    assert x.flags.writeable
+    x[:], z[:] = 9.0, 9.0
+    np.testing.assert_array_equal((profile.x, profile.z), kept)
+
+
+@given(seed=st.integers(0, 10**6), points=st.integers(1, 12), length=st.floats(0.5, 60.0))
+def test_footprint_stays_in_range_and_ends_level(seed: int, points: int, length: float) -> None:
+    random = np.random.default_rng(seed)
+    x = np.cumsum(random.choice([0.0, 1.0, 7.3], points))
+    profile = rm.Profile(x, random.normal(size=points))
+    felt = profile.footprint(length)
+    assert felt.z.min() >= profile.z.min() - 1e-12
+    assert felt.z.max() <= profile.z.max() + 1e-12
+    # The same area under both once the level ends are cut off alike.
+    low, high = x[0] - length, x[-1] + length
+    ends = rm.Profile([low, high], [0, 0])
+    assert area(felt + ends) == pytest.approx(area(profile + ends), abs=2e-4 * (high - low) * 4)

@@ -6,6 +6,7 @@
 use multiversion::multiversion;
 
 use crate::distance::{Distance, Distances};
+use crate::lanes::Lanes;
 use crate::run::{Run, Track};
 
 /// Slots of a block.
@@ -152,6 +153,15 @@ impl<'a> Knots<'a> {
     /// The knot of a slot.
     pub fn distance(&self, slot: usize) -> Distance {
         self.distance.get(slot)
+    }
+
+    /// How far the static position of each mode has risen by the knot of a slot since the start.
+    pub fn risen(&self, slot: usize) -> Lanes {
+        let tracks = self.run.tracks.iter().enumerate();
+        tracks.fold(Lanes::ZERO, |sum, (index, track)| {
+            let (base, climb) = self.elevation(slot, index, self.distance(slot));
+            sum + track.lift * ((base - track.profile.z()[0]) + climb)
+        })
     }
 
     /// Elevation under a track at a distance between the knot of a slot and the next, as that of

@@ -4,8 +4,8 @@ use multiversion::multiversion;
 
 use crate::distance::Distance;
 use crate::knots::{Knots, SLOTS};
-use crate::lanes::Lanes;
-use crate::run::Run;
+use crate::lanes::{LANES, Lanes};
+use crate::run::{Run, Track};
 use crate::transition::{Drive, Oscillators, State, Transition};
 
 /// Transitions kept by the bits of their Δt. Nominally equal segments differ by the rounding
@@ -84,6 +84,48 @@ fn propagate(bank: &Oscillators, dt: f64, state: State, drive: Drive) -> State {
     bank.over(dt).apply(&state, &drive)
 }
 
+/// Watches for bumps so short that the aircraft hardly moves on them.
+///
+/// Such a bump takes d to its height and back and leaves the rounding of that height in it, while
+/// p knows the small motion to its own precision. The two differ by the static position: where
+/// that is the more exact way, d at the start of a level stretch is p less it. Once the aircraft
+/// has moved by a thousandth of what the profiles lift it by, there is nothing left to gain.
+struct ShortBumps {
+    /// Whether there may be something to gain.
+    watching: bool,
+    was_level: bool,
+    enough: Lanes,
+    /// Largest magnitudes so far: d and p err by the rounding of these.
+    d: Lanes,
+    p: Lanes,
+}
+
+impl ShortBumps {
+    fn new(run: &Run) -> Self {
+        let lifted = |sum: Lanes, track: &Track| sum + track.lift.abs() * track.profile.range();
+        let enough = run.tracks.iter().fold(Lanes::ZERO, lifted) * 1e-3;
+        Self { watching: true, was_level: true, enough, d: Lanes::ZERO, p: Lanes::ZERO }
+    }
+
+    #[cold]
+    fn see(&mut self, knots: &Knots, slot: usize, mut state: State, level: bool) -> State {
+        self.d = self.d.max(state.d.abs());
+        self.p = self.p.max(state.p.abs());
+        if level && !self.was_level {
+            let risen = knots.risen(slot);
+            let (other, error) = (state.p - risen, self.p + risen.abs());
+            for i in 0..LANES {
+                if error[i] < self.d[i] {
+                    (state.d[i], self.d[i]) = (other[i], error[i]);
+                }
+            }
+        }
+        self.was_level = level;
+        self.watching = self.enough.any_above(self.p);
+        state
+    }
+}
+
 /// Sees every segment of a march.
 pub(crate) trait Visitor {
     /// `whole` is the transition over the whole segment, of no meaning for the first and last.
@@ -106,6 +148,7 @@ pub(crate) fn march(run: &Run, end: f64, visitor: &mut impl Visitor) {
     let mut knots = Knots::new(run);
     let mut state = State { d: Lanes::ZERO, v: Lanes::ZERO, p: Lanes::ZERO };
     let mut drive = Drive { beta: Lanes::ZERO, gamma: Lanes::ZERO };
+    let mut short_bumps = ShortBumps::new(run);
     let mut start = f64::NEG_INFINITY;
     loop {
         let mut step = 0;
@@ -137,6 +180,9 @@ pub(crate) fn march(run: &Run, end: f64, visitor: &mut impl Visitor) {
             drive.beta = Lanes::ZERO;
             for (track, slope) in run.tracks.iter().zip(&knots.slope) {
                 drive.beta += track.climb * slope[slot];
+            }
+            if short_bumps.watching {
+                state = short_bumps.see(&knots, slot, state, drive.beta == Lanes::ZERO);
             }
             if run.damping_input {
                 drive.gamma = Lanes::ZERO;

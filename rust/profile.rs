@@ -18,6 +18,7 @@ pub struct Profile {
     slopes: Vec<f64>,
     has_steps: bool,
     finest: f64,
+    range: f64,
 }
 
 impl Profile {
@@ -67,13 +68,22 @@ impl Profile {
             }
         }
         let has_steps = x.windows(2).any(|pair| pair[1] <= pair[0]);
-        Ok(Self { x, z, slopes, has_steps, finest })
+        let extreme = |pick: fn(f64, f64) -> f64| z.iter().copied().reduce(pick).unwrap_or(0.0);
+        let range = extreme(f64::max) - extreme(f64::min);
+        Ok(Self { x, z, slopes, has_steps, finest, range })
     }
 
     /// A level runway.
     #[must_use]
     pub fn level() -> Self {
-        Self { x: vec![0.0], z: vec![0.0], slopes: vec![0.0; 2], has_steps: false, finest: f64::INFINITY }
+        Self {
+            x: vec![0.0],
+            z: vec![0.0],
+            slopes: vec![0.0; 2],
+            has_steps: false,
+            finest: f64::INFINITY,
+            range: 0.0,
+        }
     }
 
     /// A smooth bump z = h/2 (1 − cos 2πx/L) as chords between `segments` + 1 equidistant points.
@@ -124,6 +134,11 @@ impl Profile {
     /// Shortest distance between two stations, infinite on the level.
     pub(crate) fn finest(&self) -> f64 {
         self.finest
+    }
+
+    /// Highest less lowest elevation.
+    pub(crate) fn range(&self) -> f64 {
+        self.range
     }
 
     /// Whether there is a vertical step.

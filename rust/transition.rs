@@ -101,10 +101,10 @@ pub struct Oscillators {
 }
 
 impl Oscillators {
-    /// A bank of at most [`LANES`] oscillators given as (ω, ζ).
+    /// A bank of at most [`LANES`](crate::lanes::LANES) oscillators given as (ω, ζ).
     ///
     /// # Panics
-    /// If there are more than [`LANES`].
+    /// If there are more than [`LANES`](crate::lanes::LANES).
     #[must_use]
     pub fn new(modes: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let mut bank = Self {

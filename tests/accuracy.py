@@ -288,21 +288,17 @@ FAMILIES = {
         Case(phase=1.0, ratio=3.0, aircraft="five", segments=50, steps=True, damping_input=True),
         Case(phase=1e3, ratio=1e-6, aircraft="five", segments=50),
     ],
+    # Bumps that end at the height at which they begin: the motion that the shortest of them leave
+    # is a hundred-thousandth of their height.
     "closed bumps": [
+        Case(phase=1e-6, ratio=0.0, aircraft="single", closed=True),
+        Case(phase=1e-6, ratio=0.5, apart=False, segments=10, closed=True),
+        Case(phase=1e-4, ratio=0.5, apart=False, segments=10, closed=True),
         Case(phase=1e-4, ratio=0.0, aircraft="single", closed=True),
         Case(phase=1e-2, ratio=0.0, apart=False, segments=10, closed=True),
         Case(phase=1.0, ratio=0.5, apart=False, segments=10, closed=True),
     ],
 }
-
-#: Beyond the bar: bumps that end at the height at which they begin, within ωT of 1e-5 to 1e-3
-#: (0.2 to 20 thousandths of an inch at 20 knots). The motion they leave is smaller than the bump by
-#: that factor, and the height at which they end is known to rounding of the bump, not of zero.
-KNOWN_MISSES = [
-    Case(phase=1e-6, ratio=0.0, aircraft="single", closed=True),
-    Case(phase=1e-6, ratio=0.5, apart=False, segments=10, closed=True),
-    Case(phase=1e-4, ratio=0.5, apart=False, segments=10, closed=True),
-]
 
 
 def ramp_coefficients(omega: float, zeta: float, dt: Array) -> Array:
@@ -360,7 +356,7 @@ def row(label: str, scores: dict[str, Score]) -> str:
 
 
 def main() -> int:
-    """Print the table; 1 if the bar is missed where it is not known to be."""
+    """Print the table; 1 if the bar is missed anywhere."""
     start = perf_counter()
     reached: dict[Case, float] = {}
 
@@ -383,7 +379,6 @@ def main() -> int:
         section(title, GRID[index * len(RATIOS) :][: len(RATIOS)])
     for title, cases in FAMILIES.items():
         section(title, cases)
-    section("known misses: closed bumps shorter than 1e-3 rad", KNOWN_MISSES)
 
     print("\nOne degree of freedom, 6,000 segments, ζ = 0.01: error ÷ peak of the displacement")
     print(f"{'ωΔt':>8} {'textbook A, B, A′, B′':>24} {'ours':>10}")
@@ -391,15 +386,13 @@ def main() -> int:
         theirs, ours = textbook(phase)
         print(f"{phase:8g} {theirs:24.1e} {ours:10.1e}")
 
-    missed = {case for case, ratio in reached.items() if ratio > 1}
-    surprises = missed - set(KNOWN_MISSES)
-    worst = max(reached.keys() - missed, key=reached.__getitem__)
+    missed = sum(ratio > 1 for ratio in reached.values())
+    worst = max(reached, key=reached.__getitem__)
     print(
-        f"\nBar met in {len(reached) - len(missed)} of {len(reached)} runs, there with at most "
-        f"{reached[worst]:.2g} of what is allowed ({worst}); missed in {len(missed)}, of which "
-        f"{len(surprises)} not known before. {perf_counter() - start:.0f} s."
+        f"\nBar met in {len(reached) - missed} of {len(reached)} runs; at worst "
+        f"{reached[worst]:.2g} of what is allowed ({worst}). {perf_counter() - start:.0f} s."
     )
-    return int(bool(surprises))
+    return int(missed > 0)
 
 
 if __name__ == "__main__":

@@ -6,12 +6,18 @@ mode and takes the largest samples; its system is set up before. It is exact onl
 fall on its grid, and its maxima are samples.
 """
 
+import os
+
+# lsim's small products are faster on one thread, and idle threads of BLAS, which spin, would
+# slow our turns down. NumPy reads this when it is first imported.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import numpy as np
+from _cases import SPACING, SPEED, modes
+from _timing import line, machine, options, ratio, take_turns
 from scipy.signal import StateSpace, lsim
 
 import runway_modal as rm
-from _cases import SPACING, SPEED, modes
-from _timing import line, machine, options, ratio, take_turns
 
 BAR = 60e-6
 

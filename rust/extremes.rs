@@ -20,7 +20,7 @@ use multiversion::multiversion;
 
 use crate::error::{Error, Result};
 use crate::lanes::{LANES, Lanes};
-use crate::march::{Segment, Visitor, march};
+use crate::march::{Block, Segment, Visitor, march};
 use crate::readout::{Form, Heights, Line, Quantity};
 use crate::run::Run;
 use crate::transition::{Drive, Oscillators, State, Transition};
@@ -477,49 +477,60 @@ impl Search<'_> {
 }
 
 impl Visitor for Search<'_> {
-    #[inline(always)]
-    fn visit(&mut self, segment: &Segment, whole: &Transition) {
-        // Of a vertical step only the two sides count, not what lies between.
-        if segment.end < self.begin || segment.start == segment.end {
-            return;
-        }
-        self.last = segment.state;
-        let inside = segment.start >= self.begin && segment.end <= self.end;
-        if inside && self.fastest * segment.dt <= 1.0 {
-            let to = whole.apply(&segment.state, &segment.drive);
-            self.begin(segment, segment.start, &segment.state);
-            self.piece(&segment.state, &to, &segment.drive, (segment.start, 0.0, segment.dt));
-        } else {
-            self.visit_part(*segment);
-        }
+    fn visit(&mut self, segment: &Segment) {
+        self.look(segment);
     }
 
-    #[inline(always)]
+    fn visit_block(&mut self, block: &Block) {
+        look_at_block(self, block);
+    }
+
     fn go_on(&mut self, work: u32) -> bool {
         self.watch.go_on(work)
+    }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn look_at_block(search: &mut Search, block: &Block) {
+    for segment in block.segments() {
+        search.look(&segment);
+    }
+}
+
+impl Search<'_> {
+    #[inline(always)]
+    fn look(&mut self, segment: &Segment) {
+        // Of a vertical step only the two sides count, not what lies between.
+        if segment.end < self.begin || segment.start > self.end || segment.start == segment.end {
+            return;
+        }
+        self.last = *segment.state();
+        let inside = segment.start >= self.begin && segment.end <= self.end;
+        if inside && self.fastest * segment.dt() <= 1.0 {
+            let (from, to) = (segment.state(), segment.end_state());
+            self.begin(segment, segment.start, from);
+            self.piece(from, to, &segment.drive(), (segment.start, 0.0, segment.dt()));
+        } else {
+            self.visit_part(segment);
+        }
     }
 }
 
 impl Search<'_> {
     /// A long segment, or one that is only partly in the window.
     #[cold]
-    fn visit_part(&mut self, segment: Segment) {
+    fn visit_part(&mut self, segment: &Segment) {
         let (from, to) = (segment.start.max(self.begin), segment.end.min(self.end));
         let state = segment.state_at(from);
         let dt = segment.elapsed(from, to);
         let whole = self.run.oscillators.over(dt);
-        self.begin(&segment, from, &state);
+        self.begin(segment, from, &state);
         if self.fastest * dt <= 1.0 {
-            self.piece(&state, &whole.apply(&state, &segment.drive), &segment.drive, (from, 0.0, dt));
+            self.piece(&state, &whole.apply(&state, &segment.drive()), &segment.drive(), (from, 0.0, dt));
         } else {
-            self.long(&state, &segment.drive, (from, dt), &whole);
+            self.long(&state, &segment.drive(), (from, dt), &whole);
         }
     }
-}
-
-#[multiversion(targets("x86_64+avx2"))]
-fn search_run(search: &mut Search) {
-    march(search.run, search.end, search);
 }
 
 impl Run {
@@ -552,7 +563,7 @@ impl Run {
             last: State { d: Lanes::ZERO, v: Lanes::ZERO, p: Lanes::ZERO },
             watch: Watch::new(pulse),
         };
-        search_run(&mut search);
+        march(self, end, &mut search);
         search.watch.outcome?;
         // What is no longer finite stays so, and sets no record: the last state tells of all.
         let last = search.last.d.dot(search.last.d) + search.last.v.dot(search.last.v);

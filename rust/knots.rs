@@ -10,7 +10,7 @@ use crate::lanes::Lanes;
 use crate::run::{Run, Track};
 
 /// Slots of a block.
-pub(crate) const SLOTS: usize = 128;
+pub(crate) const SLOTS: usize = 64;
 
 /// Breakpoints of one track looked ahead at.
 const AHEAD: usize = 64;
@@ -101,7 +101,7 @@ impl<'a> Knots<'a> {
             slope: vec![[0.0; SLOTS]; cursors.len()],
             passed: vec![[0; SLOTS]; cursors.len()],
             steps: Vec::new(),
-            has_steps: run.tracks.iter().any(|track| track.profile.has_steps()),
+            has_steps: run.tracks.iter().any(|track| track.profile.steps() > 0),
             cursors,
         };
         // No time passes before the first knot.

@@ -16,7 +16,7 @@ pub struct Profile {
     z: Vec<f64>,
     /// Slope after so many breakpoints: 0 before the first, along a vertical step, after the last.
     slopes: Vec<f64>,
-    has_steps: bool,
+    steps: usize,
     finest: f64,
     range: f64,
 }
@@ -67,23 +67,16 @@ impl Profile {
                 return Err(Error::OutOfRange { place, value: z[i], why: "slopes up to 1e100 are allowed" });
             }
         }
-        let has_steps = x.windows(2).any(|pair| pair[1] <= pair[0]);
+        let steps = x.windows(2).filter(|pair| pair[1] <= pair[0]).count();
         let extreme = |pick: fn(f64, f64) -> f64| z.iter().copied().reduce(pick).unwrap_or(0.0);
         let range = extreme(f64::max) - extreme(f64::min);
-        Ok(Self { x, z, slopes, has_steps, finest, range })
+        Ok(Self { x, z, slopes, steps, finest, range })
     }
 
     /// A level runway.
     #[must_use]
     pub fn level() -> Self {
-        Self {
-            x: vec![0.0],
-            z: vec![0.0],
-            slopes: vec![0.0; 2],
-            has_steps: false,
-            finest: f64::INFINITY,
-            range: 0.0,
-        }
+        Self { x: vec![0.0], z: vec![0.0], slopes: vec![0.0; 2], steps: 0, finest: f64::INFINITY, range: 0.0 }
     }
 
     /// A smooth bump z = h/2 (1 − cos 2πx/L) as chords between `segments` + 1 equidistant points.
@@ -141,10 +134,10 @@ impl Profile {
         self.range
     }
 
-    /// Whether there is a vertical step.
+    /// Number of vertical steps.
     #[inline]
-    pub(crate) fn has_steps(&self) -> bool {
-        self.has_steps
+    pub(crate) fn steps(&self) -> usize {
+        self.steps
     }
 
     /// Height of a vertical step that ends at the last of so many breakpoints.

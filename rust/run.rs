@@ -212,9 +212,10 @@ impl Run {
                 why: "more than 1e8 time points; give times",
             });
         }
-        // A knot adds at most itself, the other side of a step and one part of a gap.
-        let knots: usize = self.tracks.iter().map(|track| track.profile.knots().len()).sum();
-        Ok(Grid { begin, end, step, most: between as usize + 3 * (knots + 1) })
+        // At most: a row a knot, the other side of each step, the two ends, and a few for rounding.
+        let knots = |track: &Track| track.profile.knots().len() + track.profile.steps();
+        let most = between as usize + self.tracks.iter().map(knots).sum::<usize>() + 8;
+        Ok(Grid { begin, end, step, most })
     }
 
     /// CG coordinates at the start: at rest in equilibrium on the first elevations.

@@ -4,10 +4,10 @@ use multiversion::multiversion;
 
 use crate::error::{Error, Result};
 use crate::lanes::{LANES, Lanes};
-use crate::march::{Segment, Visitor, march};
+use crate::march::{Block, Segment, Visitor, march};
 use crate::readout::{Form, Heights, Quantity};
 use crate::run::{Grid, Run};
-use crate::transition::{State, Transition};
+use crate::transition::State;
 use crate::watch::{Pulse, Watch};
 
 /// Where the rows of a run are written: displacements and rates, `width` columns each.
@@ -52,8 +52,7 @@ impl OnGrid<'_, '_> {
     }
 
     /// Rows between a segment's ends.
-    #[cold]
-    fn fill(&mut self, segment: Segment, begin: f64, end: f64) {
+    fn fill(&mut self, segment: &Segment, begin: f64, end: f64) {
         let parts = ((end - begin) / self.grid.step).ceil();
         for part in 1..parts as usize {
             if !self.watch.go_on(1) {
@@ -73,24 +72,61 @@ impl OnGrid<'_, '_> {
 }
 
 impl Visitor for OnGrid<'_, '_> {
-    #[inline(always)]
-    fn visit(&mut self, segment: &Segment, _: &Transition) {
+    fn visit(&mut self, segment: &Segment) {
         // Rows are those times of a segment that lie before its end: of several knots at one
         // rounded time the last counts.
-        let Grid { begin: first, end: last, step, .. } = self.grid;
-        let begin = if segment.start > first { segment.start } else { first };
-        if begin < segment.end {
-            self.push(begin, &segment.state);
-            let end = if segment.end < last { segment.end } else { last };
-            if end - begin > step || segment.end > last || segment.ends_at_step() {
-                self.fill(*segment, begin, end);
+        let begin = segment.start.max(self.grid.begin);
+        if begin < segment.end && begin <= self.grid.end {
+            self.push(begin, segment.state());
+            self.fill(segment, begin, segment.end.min(self.grid.end));
+        }
+    }
+
+    fn visit_block(&mut self, block: &Block) {
+        if self.row_a_knot(block) {
+            // The first segment's row, and those of all knots but the last, which is the next
+            // block's first.
+            let (count, times) = (block.times().len(), block.times());
+            let rows = self.rows.count;
+            self.time[rows] = block.start();
+            self.time[rows + 1..rows + count].copy_from_slice(&times[..count - 1]);
+            push_all(self.rows, block.first(), &block.states()[..count - 1]);
+        } else {
+            for segment in block.segments() {
+                self.visit(&segment);
             }
         }
     }
 
-    #[inline(always)]
     fn go_on(&mut self, work: u32) -> bool {
         self.watch.go_on(work)
+    }
+}
+
+impl OnGrid<'_, '_> {
+    /// Whether every segment that ends in a block gives one row: the usual block of a finely
+    /// sampled profile.
+    fn row_a_knot(&self, block: &Block) -> bool {
+        let Grid { begin, end, step, .. } = self.grid;
+        let times = block.times();
+        let inside = block.start() >= begin && times.last().is_some_and(|&last| last <= end);
+        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+        let mut last = block.start();
+        for &time in times {
+            let gap = time - last;
+            least = if gap < least { gap } else { least };
+            most = if gap > most { gap } else { most };
+            last = time;
+        }
+        inside && block.is_plain() && least > 0.0 && most <= step
+    }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn push_all(rows: &mut Rows, first: &State, states: &[State]) {
+    rows.push(first);
+    for state in states {
+        rows.push(state);
     }
 }
 
@@ -103,8 +139,7 @@ struct AtTimes<'a, W> {
 }
 
 impl<W: FnMut(&Segment, usize, f64)> Visitor for AtTimes<'_, W> {
-    #[inline(always)]
-    fn visit(&mut self, segment: &Segment, _: &Transition) {
+    fn visit(&mut self, segment: &Segment) {
         while let Some(&time) = self.times.get(self.row).filter(|&&time| time < segment.end) {
             if !self.watch.go_on(1) {
                 return;
@@ -114,28 +149,24 @@ impl<W: FnMut(&Segment, usize, f64)> Visitor for AtTimes<'_, W> {
         }
     }
 
-    #[inline(always)]
     fn go_on(&mut self, work: u32) -> bool {
         self.watch.go_on(work)
     }
 }
 
 /// Marches over `times`.
-#[inline(always)]
 fn at_times(run: &Run, times: &[f64], pulse: Pulse, write: impl FnMut(&Segment, usize, f64)) -> Result<()> {
     let mut visitor = AtTimes { times, row: 0, write, watch: Watch::new(pulse) };
     march(run, times.last().copied().unwrap_or(f64::NEG_INFINITY), &mut visitor);
     visitor.watch.outcome
 }
 
-#[multiversion(targets("x86_64+avx2"))]
 fn sample_grid(run: &Run, grid: Grid, time: &mut [f64], rows: &mut Rows, pulse: Pulse) -> Result<()> {
     let mut visitor = OnGrid { grid, time, rows, watch: Watch::new(pulse) };
     march(run, grid.end, &mut visitor);
     visitor.watch.outcome
 }
 
-#[multiversion(targets("x86_64+avx2"))]
 fn sample_times(run: &Run, times: &[f64], rows: &mut Rows, pulse: Pulse) -> Result<()> {
     at_times(run, times, pulse, |segment, _, time| rows.push(&segment.state_at(time)))
 }

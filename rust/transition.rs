@@ -71,19 +71,26 @@ pub struct Drive {
 }
 
 impl Transition {
+    /// Carries a state over the segment while the static position moves at rate `beta`.
+    #[inline(always)]
+    #[must_use]
+    pub fn follow(&self, from: &State, beta: Lanes) -> State {
+        let (d, v, p) = (from.d, from.v, from.p);
+        let pull = self.s * v - self.g * d;
+        State {
+            d: (d - self.h * beta) + pull,
+            p: (p + self.k * beta) + pull,
+            v: (v + self.g * beta) - (self.w * v + self.s * d),
+        }
+    }
+
     /// Carries a state over the segment.
     #[inline(always)]
     #[must_use]
     pub fn apply(&self, from: &State, drive: &Drive) -> State {
-        let (d, v, p) = (from.d, from.v, from.p);
-        let (beta, gamma) = (drive.beta, drive.gamma);
-        let pull = self.s * v - self.g * d;
-        let push = self.g * gamma;
-        State {
-            d: (d - (self.h * beta - push)) + pull,
-            p: (p + (self.k * beta + push)) + pull,
-            v: (v + (self.g * beta + self.s * gamma)) - (self.w * v + self.s * d),
-        }
+        let State { d, v, p } = self.follow(from, drive.beta);
+        let push = self.g * drive.gamma;
+        State { d: d + push, v: v + self.s * drive.gamma, p: p + push }
     }
 }
 

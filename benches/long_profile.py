@@ -8,11 +8,11 @@ finds the times and returns them; peers get what they need prepared.
 from functools import partial
 
 import numpy as np
+
+import runway_modal as rm
 from _cases import SPACING, SPEED, elevations, equal, irregular, lag, modes
 from _peers import Equal, pyyeti_ode
 from _timing import line, machine, options, ratio, take_turns
-
-import runway_modal as rm
 
 
 def against_peers(segments: int, rounds: int) -> None:

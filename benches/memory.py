@@ -10,10 +10,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import runway_modal as rm
 from _cases import SPEED, equal, irregular, modes
 from _timing import line, machine, options
-
-import runway_modal as rm
 
 BAR = 3.0
 

@@ -13,11 +13,11 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
-from _cases import SPACING, SPEED, modes
-from _timing import line, machine, options, ratio, take_turns
 from scipy.signal import StateSpace, lsim
 
 import runway_modal as rm
+from _cases import SPACING, SPEED, modes
+from _timing import line, machine, options, ratio, take_turns
 
 BAR = 60e-6
 

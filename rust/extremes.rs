@@ -203,10 +203,11 @@ impl Output {
                 // A bound that says nothing would have every piece halved for ever.
                 self.record.max = f64::NAN;
             } else if bound > best + slack {
-                let mut climb = Climb { bank, lengths, drive, output: self, sign, slack, best, at: f64::NAN };
-                climb.search(from, to, tau, h, 0);
-                if climb.best > best {
-                    let (value, at) = (sign * climb.best, time + climb.at);
+                let mut search =
+                    Climb { bank, lengths, drive, output: self, sign, slack, best, at: f64::NAN };
+                climb(&mut search, from, to, tau, h, 0);
+                if search.best > best {
+                    let (value, at) = (sign * search.best, time + search.at);
                     self.record.offer(value, at, 0.0);
                 }
             }
@@ -233,6 +234,7 @@ struct Climb<'a> {
 
 impl Climb<'_> {
     /// F, F′ and F″ at a state `tau` after the start of the line.
+    #[inline(always)]
     fn jet(&self, state: &State, tau: f64) -> [f64; 3] {
         let Output { form, slope, bend, line, .. } = self.output;
         let (y, w) = departure(self.bank, self.drive, state);
@@ -242,43 +244,18 @@ impl Climb<'_> {
         [value, slope, bend].map(|part| self.sign * part)
     }
 
+    #[inline(always)]
     fn offer(&mut self, value: f64, tau: f64) {
         if value > self.best + self.slack {
             (self.best, self.at) = (value, tau);
         }
     }
 
-    /// Searches [tau, tau + h], given the states at both ends.
-    fn search(&mut self, from: &State, to: &State, tau: f64, h: f64, depth: u32) {
-        let [f0, slope0, bend0] = self.jet(from, tau);
-        let [f1, slope1, bend1] = self.jet(to, tau + h);
-        self.offer(f0, tau);
-        self.offer(f1, tau + h);
-        let r = self.lengths.of(departure(self.bank, self.drive, from));
-        let (second, third) = (self.output.second.dot(r), self.output.third.dot(r));
-        if f0.max(f1) + second * h * h / 8.0 <= self.best + self.slack {
-            return;
-        }
-        // A function that changes no faster than `rate` and is far enough from zero at both ends
-        // has no zero between them.
-        let one_sign = |a: f64, b: f64, rate: f64| a * b > 0.0 && a.abs() + b.abs() > rate * h;
-        if one_sign(bend0, bend1, third) {
-            if slope0 > 0.0 && slope1 < 0.0 {
-                self.summit(from, tau, h, slope0 / (slope0 - slope1));
-            }
-            return;
-        }
-        if one_sign(slope0, slope1, second) || depth == MOST_STEPS {
-            return;
-        }
-        let half = 0.5 * h;
-        let middle = self.bank.over(half).apply(from, self.drive);
-        self.search(from, &middle, tau, half, depth + 1);
-        self.search(&middle, to, tau + half, half, depth + 1);
-    }
-
     /// The one zero of F′ in a piece on which F is concave: Newton's method in a bracket.
+    #[inline(always)]
     fn summit(&mut self, from: &State, tau: f64, h: f64, guess: f64) {
+        // The step after one this short is a rounding error: convergence is quadratic.
+        const SHORT: f64 = 1e-8;
         let (mut low, mut high, mut at) = (0.0, h, h * guess);
         for _ in 0..MOST_STEPS {
             let state = self.bank.over(at).apply(from, self.drive);
@@ -291,12 +268,45 @@ impl Climb<'_> {
             }
             let newton = at - slope / bend;
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if (next - at).abs() <= f64::EPSILON * h {
+            let short = (next - at).abs() <= SHORT * h;
+            at = next;
+            if short {
+                // As far as a step this short matters, F is a parabola.
+                self.offer(value - 0.5 * slope * slope / bend, tau + at);
                 break;
             }
-            at = next;
         }
     }
+}
+
+/// Searches [tau, tau + h], given the states at both ends.
+#[multiversion(targets("x86_64+avx2"))]
+fn climb(this: &mut Climb, from: &State, to: &State, tau: f64, h: f64, depth: u32) {
+    let [f0, slope0, bend0] = this.jet(from, tau);
+    let [f1, slope1, bend1] = this.jet(to, tau + h);
+    this.offer(f0, tau);
+    this.offer(f1, tau + h);
+    let r = this.lengths.of(departure(this.bank, this.drive, from));
+    let (second, third) = (this.output.second.dot(r), this.output.third.dot(r));
+    if f0.max(f1) + second * h * h / 8.0 <= this.best + this.slack {
+        return;
+    }
+    // A function that changes no faster than `rate` and is far enough from zero at both ends
+    // has no zero between them.
+    let one_sign = |a: f64, b: f64, rate: f64| a * b > 0.0 && a.abs() + b.abs() > rate * h;
+    if one_sign(bend0, bend1, third) {
+        if slope0 > 0.0 && slope1 < 0.0 {
+            this.summit(from, tau, h, slope0 / (slope0 - slope1));
+        }
+        return;
+    }
+    if one_sign(slope0, slope1, second) || depth == MOST_STEPS {
+        return;
+    }
+    let half = 0.5 * h;
+    let middle = this.bank.over(half).apply(from, this.drive);
+    climb(this, from, &middle, tau, half, depth + 1);
+    climb(this, &middle, to, tau + half, half, depth + 1);
 }
 
 /// Four outputs side by side, for the test that dismisses nearly every segment.

@@ -9,7 +9,7 @@ use crate::run::{Run, Track};
 use crate::transition::{Drive, Oscillators, State, Transition};
 
 /// How many transitions are kept.
-const KEPT: usize = 64;
+const KEPT: usize = 32;
 
 /// Transitions kept by the bits of their Δt. Nominally equal segments differ by the rounding
 /// of their stations and then take a handful of values between them; a lag between gears
@@ -28,7 +28,7 @@ impl Kept {
         if self.0[last % KEPT].0 == dt {
             return last % KEPT;
         }
-        let place = (dt.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58) as usize % KEPT;
+        let place = (dt.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 59) as usize % KEPT;
         if self.0[place].0 != dt {
             self.0[place] = (dt, bank.over(dt));
         }
@@ -97,14 +97,9 @@ impl<'a> Block<'a> {
         self.start
     }
 
-    /// State in which the first segment begins.
-    pub fn first(&self) -> &State {
-        &self.state[0]
-    }
-
-    /// States just after the knots after slot 0.
+    /// States in which its segments begin.
     pub fn states(&self) -> &[State] {
-        &self.state[1..self.knots.len]
+        &self.state[..self.knots.len - 1]
     }
 
     /// Whether nothing happens at the knots but changes of slope.
@@ -285,24 +280,21 @@ impl<'a> Segment<'a> {
     }
 
     /// State at `time`, just before the end of the segment if that is its end.
-    #[inline(always)]
     pub fn state_at(&self, time: f64) -> State {
-        if time <= self.start {
-            *self.state()
-        } else {
-            propagate(
-                &self.block.run.oscillators,
-                self.elapsed(self.start, time),
-                self.state(),
-                &self.drive(),
-            )
-        }
+        if time <= self.start { *self.state() } else { state_after(self, time) }
+    }
+
+    /// State at a `time` after the start.
+    #[inline(always)]
+    pub fn state_between(&self, time: f64) -> State {
+        let whole = self.block.run.oscillators.over(self.elapsed(self.start, time));
+        whole.apply(self.state(), &self.drive())
     }
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn propagate(bank: &Oscillators, dt: f64, state: &State, drive: &Drive) -> State {
-    bank.over(dt).apply(state, drive)
+fn state_after(segment: &Segment, time: f64) -> State {
+    segment.state_between(time)
 }
 
 /// Sees every segment of a march.

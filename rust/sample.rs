@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 
 use crate::error::{Error, Result};
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::Lanes;
 use crate::march::{Block, Segment, Visitor, march};
 use crate::readout::{Form, Heights, Quantity};
 use crate::run::{Grid, Run};
@@ -23,16 +23,28 @@ struct Rows<'a> {
 impl Rows<'_> {
     #[inline(always)]
     fn push(&mut self, state: &State) {
+        let row = self.count * self.width..(self.count + 1) * self.width;
         let (modal, rate) = (self.rest + state.p, state.v * self.omega);
-        let at = self.count * self.width;
-        for (out, Lanes(lanes)) in [(&mut *self.modal, modal), (&mut *self.rate, rate)] {
-            // Idle lanes spill into the next row, which is written later.
-            match out.get_mut(at..at + LANES) {
-                Some(row) => row.copy_from_slice(&lanes),
-                None => out[at..at + self.width].copy_from_slice(&lanes[..self.width]),
+        // Element by element: three numbers are not worth a call.
+        for (out, values) in [(&mut self.modal[row.clone()], modal), (&mut self.rate[row], rate)] {
+            for (out, value) in out.iter_mut().zip(values.0) {
+                *out = value;
             }
         }
         self.count += 1;
+    }
+
+    /// Many rows of `N` columns.
+    #[inline(always)]
+    fn push_wide<const N: usize>(&mut self, states: &[State]) {
+        let rows = self.count * N..(self.count + states.len()) * N;
+        let modal = self.modal[rows.clone()].chunks_exact_mut(N);
+        let rate = self.rate[rows].chunks_exact_mut(N);
+        for ((state, modal), rate) in states.iter().zip(modal).zip(rate) {
+            modal.copy_from_slice(&(self.rest + state.p).0[..N]);
+            rate.copy_from_slice(&(state.v * self.omega).0[..N]);
+        }
+        self.count += states.len();
     }
 }
 
@@ -50,24 +62,25 @@ impl OnGrid<'_, '_> {
         self.time[self.rows.count] = time;
         self.rows.push(state);
     }
+}
 
-    /// Rows between a segment's ends.
-    fn fill(&mut self, segment: &Segment, begin: f64, end: f64) {
-        let parts = ((end - begin) / self.grid.step).ceil();
-        for part in 1..parts as usize {
-            if !self.watch.go_on(1) {
-                return;
-            }
-            let between = begin + (end - begin) * (part as f64 / parts);
-            self.push(between, &segment.state_at(between));
+/// Rows between a segment's ends.
+#[multiversion(targets("x86_64+avx2"))]
+fn fill(rows: &mut OnGrid, segment: &Segment, begin: f64, end: f64) {
+    let parts = ((end - begin) / rows.grid.step).ceil();
+    for part in 1..parts as usize {
+        if !rows.watch.go_on(1) {
+            return;
         }
-        // The end of the grid, or the last instant before a vertical step: the step's own time
-        // shows the other side.
-        let over = segment.end > end;
-        let last = if over { end } else { end.next_down() };
-        if last > begin && (over || segment.ends_at_step()) {
-            self.push(last, &segment.state_at(last));
-        }
+        let between = begin + (end - begin) * (part as f64 / parts);
+        rows.push(between, &segment.state_between(between));
+    }
+    // The end of the grid, or the last instant before a vertical step: the step's own time
+    // shows the other side.
+    let over = segment.end > end;
+    let last = if over { end } else { end.next_down() };
+    if last > begin && (over || segment.ends_at_step()) {
+        rows.push(last, &segment.state_at(last));
     }
 }
 
@@ -78,7 +91,8 @@ impl Visitor for OnGrid<'_, '_> {
         let begin = segment.start.max(self.grid.begin);
         if begin < segment.end && begin <= self.grid.end {
             self.push(begin, segment.state());
-            self.fill(segment, begin, segment.end.min(self.grid.end));
+            let end = segment.end.min(self.grid.end);
+            fill(self, segment, begin, end);
         }
     }
 
@@ -90,7 +104,7 @@ impl Visitor for OnGrid<'_, '_> {
             let rows = self.rows.count;
             self.time[rows] = block.start();
             self.time[rows + 1..rows + count].copy_from_slice(&times[..count - 1]);
-            push_all(self.rows, block.first(), &block.states()[..count - 1]);
+            push_all(self.rows, &block.states()[..count]);
         } else {
             for segment in block.segments() {
                 self.visit(&segment);
@@ -123,10 +137,11 @@ impl OnGrid<'_, '_> {
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn push_all(rows: &mut Rows, first: &State, states: &[State]) {
-    rows.push(first);
-    for state in states {
-        rows.push(state);
+fn push_all(rows: &mut Rows, states: &[State]) {
+    match rows.width {
+        1 => rows.push_wide::<1>(states),
+        2 => rows.push_wide::<2>(states),
+        _ => rows.push_wide::<3>(states),
     }
 }
 

@@ -178,14 +178,18 @@ fn power_of_half(n: u32) -> f64 {
     f64::from_bits(u64::from(1023 - n.min(1022)) << 52)
 }
 
-/// Even and odd powers apart: half the latency of one Horner chain.
+/// Every fourth power in a chain of its own: a quarter of the latency of Horner's.
 #[inline(always)]
 fn evaluate(series: &[Lanes; TERMS], x: Lanes, square: Lanes) -> Lanes {
-    let mut even = series[TERMS - 2];
-    let mut odd = series[TERMS - 1];
-    for pair in series[..TERMS - 2].rchunks_exact(2) {
-        even = even * square + pair[0];
-        odd = odd * square + pair[1];
+    const LAST: usize = TERMS - 2; // a multiple of 4
+    let fourth = square * square;
+    let (mut a, mut b) = (series[LAST], series[LAST + 1]);
+    let (mut c, mut d) = (Lanes::ZERO, Lanes::ZERO);
+    for four in series[..LAST].rchunks_exact(4) {
+        a = a * fourth + four[0];
+        b = b * fourth + four[1];
+        c = c * fourth + four[2];
+        d = d * fourth + four[3];
     }
-    odd * x + even
+    (a + b * x) + (c + d * x) * square
 }

@@ -126,7 +126,7 @@ class Response:
         self._run.read(quantity, self._stations, self.time, out)
         return read_only(out)
 
-    @property
+    @cached_property
     def _stations(self) -> NDArray[np.float64]:
         return np.array(list(self.modes.aircraft.stations.values()))
 
@@ -242,7 +242,7 @@ class Response:
         aircraft = self.modes.aircraft
         found = self._run.extremes(self._stations, float(self.time[0]), float(self.time[-1]))
         gears = len(aircraft.gears)
-        load = [read_only(row.copy()) for row in found[:, :gears]]
+        max_load, time_of_max, min_load, time_of_min = read_only(found[:, :gears].copy())
         high, when_high, low, when_low = found[:, gears:].tolist()
         size, when = {}, {}
         for i, name in enumerate(aircraft.stations):
@@ -250,10 +250,10 @@ class Response:
             size[name] = high[i] if up else -low[i]
             when[name] = when_high[i] if up else when_low[i]
         return Extremes(
-            max_load=load[0],
-            time_of_max=load[1],
-            min_load=load[2],
-            time_of_min=load[3],
+            max_load=max_load,
+            time_of_max=time_of_max,
+            min_load=min_load,
+            time_of_min=time_of_min,
             max_acceleration=size,
             time_of_max_acceleration=when,
         )

@@ -205,7 +205,7 @@ impl Output {
             } else if bound > best + slack {
                 let mut search =
                     Climb { bank, lengths, drive, output: self, sign, slack, best, at: f64::NAN };
-                climb(&mut search, from, to, tau, h, 0);
+                climb(&mut search, Stretch { from: *from, to: *to, tau, h, halvings: 0 });
                 if search.best > best {
                     let (value, at) = (sign * search.best, time + search.at);
                     self.record.offer(value, at, 0.0);
@@ -251,6 +251,31 @@ impl Climb<'_> {
         }
     }
 
+    /// Offers what a stretch has to offer, if its bounds tell.
+    #[inline(always)]
+    fn settles(&mut self, Stretch { from, to, tau, h, .. }: &Stretch) -> bool {
+        let (tau, h) = (*tau, *h);
+        let [f0, slope0, bend0] = self.jet(from, tau);
+        let [f1, slope1, bend1] = self.jet(to, tau + h);
+        self.offer(f0, tau);
+        self.offer(f1, tau + h);
+        let r = self.lengths.of(departure(self.bank, self.drive, from));
+        let (second, third) = (self.output.second.dot(r), self.output.third.dot(r));
+        if f0.max(f1) + second * h * h / 8.0 <= self.best + self.slack {
+            return true;
+        }
+        // A function that changes no faster than `rate` and is far enough from zero at both ends
+        // has no zero between them.
+        let one_sign = |a: f64, b: f64, rate: f64| a * b > 0.0 && a.abs() + b.abs() > rate * h;
+        if one_sign(bend0, bend1, third) {
+            if slope0 > 0.0 && slope1 < 0.0 {
+                self.summit(from, tau, h, slope0 / (slope0 - slope1));
+            }
+            return true;
+        }
+        one_sign(slope0, slope1, second)
+    }
+
     /// The one zero of F′ in a piece on which F is concave: Newton's method in a bracket.
     #[inline(always)]
     fn summit(&mut self, from: &State, tau: f64, h: f64, guess: f64) {
@@ -279,34 +304,33 @@ impl Climb<'_> {
     }
 }
 
-/// Searches [tau, tau + h], given the states at both ends.
+/// A stretch from `tau` to `tau + h`, with the states at its ends.
+#[derive(Clone, Copy)]
+struct Stretch {
+    from: State,
+    to: State,
+    tau: f64,
+    h: f64,
+    halvings: u32,
+}
+
+/// Searches a stretch, halving it where its bounds decide nothing.
 #[multiversion(targets("x86_64+avx2"))]
-fn climb(this: &mut Climb, from: &State, to: &State, tau: f64, h: f64, depth: u32) {
-    let [f0, slope0, bend0] = this.jet(from, tau);
-    let [f1, slope1, bend1] = this.jet(to, tau + h);
-    this.offer(f0, tau);
-    this.offer(f1, tau + h);
-    let r = this.lengths.of(departure(this.bank, this.drive, from));
-    let (second, third) = (this.output.second.dot(r), this.output.third.dot(r));
-    if f0.max(f1) + second * h * h / 8.0 <= this.best + this.slack {
-        return;
-    }
-    // A function that changes no faster than `rate` and is far enough from zero at both ends
-    // has no zero between them.
-    let one_sign = |a: f64, b: f64, rate: f64| a * b > 0.0 && a.abs() + b.abs() > rate * h;
-    if one_sign(bend0, bend1, third) {
-        if slope0 > 0.0 && slope1 < 0.0 {
-            this.summit(from, tau, h, slope0 / (slope0 - slope1));
+fn climb(this: &mut Climb, stretch: Stretch) {
+    let (mut now, mut later) = (stretch, Vec::new());
+    loop {
+        if this.settles(&now) || now.halvings == MOST_STEPS {
+            match later.pop() {
+                Some(next) => now = next,
+                None => return,
+            }
+        } else {
+            let (h, halvings) = (0.5 * now.h, now.halvings + 1);
+            let middle = this.bank.over(h).apply(&now.from, this.drive);
+            later.push(Stretch { from: middle, to: now.to, tau: now.tau + h, h, halvings });
+            now = Stretch { from: now.from, to: middle, tau: now.tau, h, halvings };
         }
-        return;
     }
-    if one_sign(slope0, slope1, second) || depth == MOST_STEPS {
-        return;
-    }
-    let half = 0.5 * h;
-    let middle = this.bank.over(half).apply(from, this.drive);
-    climb(this, from, &middle, tau, half, depth + 1);
-    climb(this, &middle, to, tau + half, half, depth + 1);
 }
 
 /// Four outputs side by side, for the test that dismisses nearly every segment.

@@ -47,6 +47,12 @@ pub struct Extreme {
 }
 
 impl Extreme {
+    /// Largest magnitude and when it occurs.
+    #[must_use]
+    pub fn magnitude(&self) -> (f64, f64) {
+        if self.max >= -self.min { (self.max, self.time_of_max) } else { (-self.min, self.time_of_min) }
+    }
+
     /// Sums of times round; what was found lies between the two given.
     fn within(mut self, begin: f64, end: f64) -> Self {
         self.time_of_max = self.time_of_max.clamp(begin, end);

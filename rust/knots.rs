@@ -13,7 +13,7 @@ use crate::run::{Run, Track};
 pub(crate) const SLOTS: usize = 64;
 
 /// Breakpoints of one track looked ahead at.
-const AHEAD: usize = 64;
+const AHEAD: usize = 256;
 
 /// One track's place on its profile.
 #[derive(Clone, Debug)]

@@ -287,8 +287,11 @@ impl<'a> Segment<'a> {
     /// State at a `time` after the start.
     #[inline(always)]
     pub fn state_between(&self, time: f64) -> State {
-        let whole = self.block.run.oscillators.over(self.elapsed(self.start, time));
-        whole.apply(self.state(), &self.drive())
+        let Block { run, knots, .. } = self.block;
+        let past = time >= self.end;
+        let now = if past { knots.distance(self.slot + 1) } else { Distance::product(time, run.speed) };
+        let since = (now.minus(knots.distance(self.slot)) / run.speed).max(0.0);
+        run.oscillators.over(since).apply(self.state(), &self.drive())
     }
 }
 

@@ -222,6 +222,9 @@ impl Profile {
     }
 }
 
+/// Loads as rows, accelerations as pairs: see [`Run::extremes`].
+type Extremes<'py> = (Bound<'py, PyArray2<f64>>, Vec<(f64, f64)>);
+
 #[pyclass(frozen, module = "runway_modal._core")]
 struct Run(run::Run);
 
@@ -297,18 +300,21 @@ impl Run {
         detached(py, |pulse| self.0.read(&quantity, times, out, pulse))
     }
 
-    /// Rows max, time of max, min, time of min; a column a gear, then a column a station.
+    /// Loads: rows max, time of max, min, time of min; a column a gear. Accelerations: largest
+    /// magnitude and its time, a pair a station.
     fn extremes<'py>(
         &self,
         py: Python<'py>,
         stations: PyReadonlyArray2<f64>,
         begin: f64,
         end: f64,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> PyResult<Extremes<'py>> {
         let quantities = [Quantity::Load, Quantity::Acceleration(points(&stations))];
         let found = detached(py, |pulse| self.0.extremes(&quantities, (begin, end), pulse))?;
-        let row = |part: fn(&Extreme) -> f64| found.iter().map(part).collect();
-        matrix(py, &[row(|e| e.max), row(|e| e.time_of_max), row(|e| e.min), row(|e| e.time_of_min)])
+        let (loads, accelerations) = found.split_at(self.0.modes().aircraft().gears().len());
+        let row = |part: fn(&Extreme) -> f64| loads.iter().map(part).collect();
+        let rows = [row(|e| e.max), row(|e| e.time_of_max), row(|e| e.min), row(|e| e.time_of_min)];
+        Ok((matrix(py, &rows)?, accelerations.iter().map(Extreme::magnitude).collect()))
     }
 }
 

@@ -22,29 +22,25 @@ struct Rows<'a> {
 
 impl Rows<'_> {
     #[inline(always)]
-    fn push(&mut self, state: &State) {
-        let row = self.count * self.width..(self.count + 1) * self.width;
-        let (modal, rate) = (self.rest + state.p, state.v * self.omega);
-        // Element by element: three numbers are not worth a call.
-        for (out, values) in [(&mut self.modal[row.clone()], modal), (&mut self.rate[row], rate)] {
-            for (out, value) in out.iter_mut().zip(values.0) {
-                *out = value;
+    fn push(&mut self, states: &[State]) {
+        for state in states {
+            let (modal, rate) = (self.rest + state.p, state.v * self.omega);
+            let at = self.count * self.width;
+            match self.width {
+                1 => write::<1>(modal, self.modal, rate, self.rate, at),
+                2 => write::<2>(modal, self.modal, rate, self.rate, at),
+                _ => write::<3>(modal, self.modal, rate, self.rate, at),
             }
+            self.count += 1;
         }
-        self.count += 1;
     }
+}
 
-    /// Many rows of `N` columns.
-    #[inline(always)]
-    fn push_wide<const N: usize>(&mut self, states: &[State]) {
-        let rows = self.count * N..(self.count + states.len()) * N;
-        let modal = self.modal[rows.clone()].chunks_exact_mut(N);
-        let rate = self.rate[rows].chunks_exact_mut(N);
-        for ((state, modal), rate) in states.iter().zip(modal).zip(rate) {
-            modal.copy_from_slice(&(self.rest + state.p).0[..N]);
-            rate.copy_from_slice(&(state.v * self.omega).0[..N]);
-        }
-        self.count += states.len();
+/// One row of `N` columns in each of two arrays.
+#[inline(always)]
+fn write<const N: usize>(modal: Lanes, modals: &mut [f64], rate: Lanes, rates: &mut [f64], at: usize) {
+    for (values, out) in [(modal, modals), (rate, rates)] {
+        out[at..at + N].copy_from_slice(&values.0[..N]);
     }
 }
 
@@ -60,7 +56,7 @@ impl OnGrid<'_, '_> {
     #[inline(always)]
     fn push(&mut self, time: f64, state: &State) {
         self.time[self.rows.count] = time;
-        self.rows.push(state);
+        self.rows.push(std::slice::from_ref(state));
     }
 }
 
@@ -138,11 +134,7 @@ impl OnGrid<'_, '_> {
 
 #[multiversion(targets("x86_64+avx2"))]
 fn push_all(rows: &mut Rows, states: &[State]) {
-    match rows.width {
-        1 => rows.push_wide::<1>(states),
-        2 => rows.push_wide::<2>(states),
-        _ => rows.push_wide::<3>(states),
-    }
+    rows.push(states);
 }
 
 /// Rows at given times: `write` gets the segment, the row and the time.
@@ -183,7 +175,7 @@ fn sample_grid(run: &Run, grid: Grid, time: &mut [f64], rows: &mut Rows, pulse: 
 }
 
 fn sample_times(run: &Run, times: &[f64], rows: &mut Rows, pulse: Pulse) -> Result<()> {
-    at_times(run, times, pulse, |segment, _, time| rows.push(&segment.state_at(time)))
+    at_times(run, times, pulse, |segment, _, time| rows.push(&[segment.state_at(time)]))
 }
 
 impl Run {

@@ -181,15 +181,15 @@ fn power_of_half(n: u32) -> f64 {
 /// Every fourth power in a chain of its own: a quarter of the latency of Horner's.
 #[inline(always)]
 fn evaluate(series: &[Lanes; TERMS], x: Lanes, square: Lanes) -> Lanes {
-    const LAST: usize = TERMS - 2; // a multiple of 4
+    const { assert!(TERMS % 4 == 2) };
     let fourth = square * square;
-    let (mut a, mut b) = (series[LAST], series[LAST + 1]);
-    let (mut c, mut d) = (Lanes::ZERO, Lanes::ZERO);
-    for four in series[..LAST].rchunks_exact(4) {
-        a = a * fourth + four[0];
-        b = b * fourth + four[1];
-        c = c * fourth + four[2];
-        d = d * fourth + four[3];
+    let (low, top) = series.split_at(TERMS - 6);
+    let mut chains = [top[0] + top[4] * fourth, top[1] + top[5] * fourth, top[2], top[3]];
+    for four in low.rchunks_exact(4) {
+        for (chain, term) in chains.iter_mut().zip(four) {
+            *chain = *chain * fourth + *term;
+        }
     }
+    let [a, b, c, d] = chains;
     (a + b * x) + (c + d * x) * square
 }

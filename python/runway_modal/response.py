@@ -239,23 +239,19 @@ class Response:
 
     @cached_property
     def _extremes(self) -> Extremes:
-        aircraft = self.modes.aircraft
-        found = self._run.extremes(self._stations, float(self.time[0]), float(self.time[-1]))
-        gears = len(aircraft.gears)
-        max_load, time_of_max, min_load, time_of_min = read_only(found[:, :gears].copy())
-        high, when_high, low, when_low = found[:, gears:].tolist()
-        size, when = {}, {}
-        for i, name in enumerate(aircraft.stations):
-            up = high[i] >= -low[i]
-            size[name] = high[i] if up else -low[i]
-            when[name] = when_high[i] if up else when_low[i]
+        begin, end = float(self.time[0]), float(self.time[-1])
+        loads, accelerations = self._run.extremes(self._stations, begin, end)
+        max_load, time_of_max, min_load, time_of_min = read_only(loads)
+        stations = self.modes.aircraft.stations
         return Extremes(
             max_load=max_load,
             time_of_max=time_of_max,
             min_load=min_load,
             time_of_min=time_of_min,
-            max_acceleration=size,
-            time_of_max_acceleration=when,
+            max_acceleration={n: a for n, (a, _) in zip(stations, accelerations, strict=True)},
+            time_of_max_acceleration={
+                n: t for n, (_, t) in zip(stations, accelerations, strict=True)
+            },
         )
 
     def __repr__(self) -> str:

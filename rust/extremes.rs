@@ -521,7 +521,8 @@ impl Visitor for Search<'_> {
         self.look(segment);
     }
 
-    fn visit_block(&mut self, block: &Block) {
+    fn visit_block(&mut self, block: &mut Block) {
+        block.march();
         look_at_block(self, block);
     }
 

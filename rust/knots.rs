@@ -19,7 +19,6 @@ const AHEAD: usize = 256;
 #[derive(Clone, Debug)]
 struct Cursor<'a> {
     x: &'a [f64],
-    slopes: &'a [f64],
     lag: Distance,
     /// Breakpoints before the ones looked ahead at.
     base: usize,
@@ -31,8 +30,8 @@ struct Cursor<'a> {
 
 impl<'a> Cursor<'a> {
     fn new(track: &'a Track) -> Self {
-        let (x, slopes) = (track.profile.knots(), track.profile.slopes());
-        let mut cursor = Self { x, slopes, lag: track.lag, base: 0, at: 0, ahead: Distances::INFINITE };
+        let (x, lag) = (track.profile.knots(), track.lag);
+        let mut cursor = Self { x, lag, base: 0, at: 0, ahead: Distances::INFINITE };
         cursor.look_ahead();
         cursor
     }
@@ -78,10 +77,8 @@ pub(crate) struct Knots<'a> {
     pub time: [f64; SLOTS + 1],
     /// Time from the knot before.
     pub dt: [f64; SLOTS],
-    /// A row a track: the slope after each knot.
-    pub slope: Vec<[f64; SLOTS]>,
     /// A row a track: how many of its breakpoints have been passed after each knot.
-    passed: Vec<[usize; SLOTS]>,
+    pub passed: Vec<[usize; SLOTS]>,
     /// Vertical steps in the block, in the order of their slots.
     pub steps: Vec<Step>,
     /// Whether there is a vertical step anywhere.
@@ -98,7 +95,6 @@ impl<'a> Knots<'a> {
             distance: Distances::INFINITE,
             time: [f64::INFINITY; SLOTS + 1],
             dt: [0.0; SLOTS],
-            slope: vec![[0.0; SLOTS]; cursors.len()],
             passed: vec![[0; SLOTS]; cursors.len()],
             steps: Vec::new(),
             has_steps: run.tracks.iter().any(|track| track.profile.steps() > 0),
@@ -155,6 +151,12 @@ impl<'a> Knots<'a> {
         self.distance.get(slot)
     }
 
+    /// Slope under a track after the knot of a slot.
+    #[inline(always)]
+    pub fn slope(&self, slot: usize, track: usize) -> f64 {
+        self.run.tracks[track].profile.slopes()[self.passed[track][slot]]
+    }
+
     /// How far the static position of each mode has risen by the knot of a slot since the start.
     pub fn risen(&self, slot: usize) -> Lanes {
         let tracks = self.run.tracks.iter().enumerate();
@@ -171,7 +173,7 @@ impl<'a> Knots<'a> {
         let passed = self.passed[track][slot];
         let Track { profile, lag, .. } = &self.run.tracks[track];
         let base = profile.z()[passed.saturating_sub(1)];
-        match self.slope[track][slot] {
+        match self.slope(slot, track) {
             0.0 => (base, 0.0),
             slope => (base, slope * distance.minus(lag.plus(profile.x()[passed - 1]))),
         }
@@ -183,8 +185,7 @@ impl<'a> Knots<'a> {
 fn merge_block(knots: &mut Knots) {
     let last = knots.len - 1;
     knots.distance.set(0, knots.distance.get(last));
-    for (slope, passed) in knots.slope.iter_mut().zip(&mut knots.passed) {
-        slope[0] = slope[last];
+    for passed in &mut knots.passed {
         passed[0] = passed[last];
     }
     // The number of tracks as a constant where it is small: its loops unroll.
@@ -204,7 +205,7 @@ fn merge_block(knots: &mut Knots) {
 fn merge_tracks<const N: usize>(knots: &mut Knots) -> usize {
     let tracks = if N == 0 { knots.cursors.len() } else { N };
     let cursors = &mut knots.cursors[..tracks];
-    let (slope, passed) = (&mut knots.slope[..tracks], &mut knots.passed[..tracks]);
+    let passed = &mut knots.passed[..tracks];
     let mut slot = 1;
     while slot < SLOTS {
         // No knot passes more than one breakpoint a track: so many need no look ahead.
@@ -215,7 +216,6 @@ fn merge_tracks<const N: usize>(knots: &mut Knots) -> usize {
             for track in 0..tracks {
                 let cursor = &mut cursors[track];
                 let first = cursor.base + cursor.at + 1;
-                slope[track][slot..slot + sure].copy_from_slice(&cursor.slopes[first..first + sure]);
                 for (count, passed) in passed[track][slot..slot + sure].iter_mut().enumerate() {
                     *passed = first + count;
                 }
@@ -234,7 +234,6 @@ fn merge_tracks<const N: usize>(knots: &mut Knots) -> usize {
                     let cursor = &mut cursors[track];
                     cursor.at += usize::from(cursor.ahead.get(cursor.at % AHEAD) == knot);
                     passed[track][slot] = cursor.base + cursor.at;
-                    slope[track][slot] = cursor.slopes[cursor.base + cursor.at];
                 }
                 knots.distance.set(slot, knot);
             }

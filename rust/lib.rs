@@ -32,6 +32,7 @@
 //! | [`distance`] | distances rolled, with their rounding error |
 //! | [`run`] | modes + profiles + speed, and when to look |
 //! | `knots` | the breakpoints of all gears, merged in order |
+//! | `path` | the transitions between a block's knots, and what drives the modes there |
 //! | `march` | knots → modal states: the segment loop |
 //! | [`readout`] | loads, motions and accelerations as linear forms of the state |
 //! | [`sample`] | rows of results at the default times or at any |
@@ -70,6 +71,7 @@ mod knots;
 pub mod lanes;
 mod march;
 pub mod modes;
+mod path;
 pub mod profile;
 #[cfg(feature = "python")]
 mod python;

@@ -5,42 +5,14 @@ use multiversion::multiversion;
 use crate::distance::Distance;
 use crate::knots::{Knots, SLOTS};
 use crate::lanes::{LANES, Lanes};
+use crate::path::{Path, Trail};
 use crate::run::{Run, Track};
-use crate::transition::{Drive, Oscillators, State, Transition};
-
-/// How many transitions are kept.
-const KEPT: usize = 32;
-
-/// Transitions kept by the bits of their Δt. Nominally equal segments differ by the rounding
-/// of their stations and then take a handful of values between them; a lag between gears
-/// splits every segment in the same two.
-#[derive(Clone, Debug)]
-struct Kept([(f64, Transition); KEPT]);
-
-impl Kept {
-    fn new(bank: &Oscillators) -> Self {
-        Self([(0.0, bank.over(0.0)); KEPT])
-    }
-
-    /// Place of the transition over `dt`, which is likely that of the last one.
-    #[inline(always)]
-    fn place(&mut self, bank: &Oscillators, dt: f64, last: usize) -> usize {
-        if self.0[last % KEPT].0 == dt {
-            return last % KEPT;
-        }
-        let place = (dt.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 59) as usize % KEPT;
-        if self.0[place].0 != dt {
-            self.0[place] = (dt, bank.over(dt));
-        }
-        place
-    }
-}
+use crate::transition::{Drive, Oscillators, State};
 
 /// A block of knots and the states there.
 #[derive(Clone, Debug)]
 pub(crate) struct Block<'a> {
-    run: &'a Run,
-    knots: Knots<'a>,
+    path: Path<'a>,
     /// Time at which the first segment of the block begins: before all time in the first block.
     start: f64,
     /// State just after each knot.
@@ -49,10 +21,6 @@ pub(crate) struct Block<'a> {
     before: [State; SLOTS],
     /// Whether nothing happens at the knots but changes of slope.
     plain: bool,
-    /// What drives the modes after each knot.
-    beta: [Lanes; SLOTS],
-    gamma: [Lanes; SLOTS],
-    kept: Kept,
     short_bumps: ShortBumps,
 }
 
@@ -60,36 +28,30 @@ impl<'a> Block<'a> {
     /// The first block: at rest in equilibrium on the first elevations.
     fn new(run: &'a Run) -> Self {
         let rest = State { d: Lanes::ZERO, v: Lanes::ZERO, p: Lanes::ZERO };
-        let mut block = Self {
-            run,
-            knots: Knots::new(run),
+        Self {
+            path: Path::new(run),
             start: f64::NEG_INFINITY,
             state: [rest; SLOTS],
             before: [rest; SLOTS],
-            plain: true,
-            beta: [Lanes::ZERO; SLOTS],
-            gamma: [Lanes::ZERO; SLOTS],
-            kept: Kept::new(&run.oscillators),
+            plain: false,
             short_bumps: ShortBumps::new(run),
-        };
-        march_block(&mut block);
-        block
+        }
     }
 
-    /// Goes on to the next block; whether there is one.
+    /// Goes on to the next block, whose states are yet to be marched to; whether there is one.
     fn advance(&mut self) -> bool {
-        let last = self.knots.len - 1;
-        self.start = if last > 0 { self.knots.time[last] } else { self.start };
-        self.state[0] = self.state[last];
-        (self.beta[0], self.gamma[0]) = (self.beta[last], self.gamma[last]);
-        let more = self.knots.advance();
-        march_block(self);
+        let Self { path, start, state, plain, short_bumps, .. } = self;
+        let last = path.knots.len - 1;
+        *start = if last > 0 { path.knots.time[last] } else { *start };
+        state[0] = state[last];
+        let more = path.advance();
+        *plain = path.knots.steps.is_empty() && !path.run.damping_input && !short_bumps.watching;
         more
     }
 
     /// Times of the knots after slot 0.
     pub fn times(&self) -> &[f64] {
-        &self.knots.time[1..self.knots.len]
+        &self.path.knots.time[1..self.path.knots.len]
     }
 
     /// Time at which the first segment begins.
@@ -97,25 +59,31 @@ impl<'a> Block<'a> {
         self.start
     }
 
-    /// States in which its segments begin.
-    pub fn states(&self) -> &[State] {
-        &self.state[..self.knots.len - 1]
-    }
-
     /// Whether nothing happens at the knots but changes of slope.
     pub fn is_plain(&self) -> bool {
-        self.plain && !self.knots.has_steps
+        self.plain && !self.path.knots.has_steps
     }
 
     /// The segments that end in this block.
     pub fn segments(&self) -> impl Iterator<Item = Segment<'_>> {
-        (1..self.knots.len).map(|end| self.segment(end - 1, self.knots.time[end]))
+        (1..self.path.knots.len).map(|end| self.segment(end - 1, self.path.knots.time[end]))
     }
 
     #[inline(always)]
     fn segment(&self, slot: usize, end: f64) -> Segment<'_> {
-        let start = if slot == 0 { self.start } else { self.knots.time[slot] };
+        let start = if slot == 0 { self.start } else { self.path.knots.time[slot] };
         Segment { block: self, slot, start, end }
+    }
+
+    /// Marches through the block, and keeps the states.
+    pub fn march(&mut self) {
+        march_block(self);
+    }
+
+    /// Marches through a plain block; only `trail` sees the states in which its segments begin.
+    #[inline(always)]
+    pub fn march_plain(&mut self, trail: &mut impl Trail) {
+        self.state[self.path.knots.len - 1] = self.path.follow(self.state[0], trail);
     }
 }
 
@@ -163,45 +131,27 @@ impl ShortBumps {
 /// Fills a block with states, from the one in slot 0 on.
 #[multiversion(targets("x86_64+avx2"))]
 fn march_block(block: &mut Block) {
-    let Block { run, knots, state, before, beta, gamma, kept, .. } = block;
-    let (run, bank, len) = (*run, &run.oscillators, knots.len);
-    beta[1..len].fill(Lanes::ZERO);
-    for (track, slope) in run.tracks.iter().zip(&knots.slope) {
-        for (beta, slope) in beta[1..len].iter_mut().zip(&slope[1..len]) {
-            *beta += track.climb * *slope;
-        }
-    }
-    block.plain = knots.steps.is_empty() && !run.damping_input && !block.short_bumps.watching;
-    let (mut now, mut place) = (state[0], 0);
-    if block.plain {
-        let segments = knots.dt[1..len].iter().zip(&beta[..len - 1]);
-        for ((dt, beta), state) in segments.zip(&mut state[1..len]) {
-            place = kept.place(bank, *dt, place);
-            now = kept.0[place].1.follow(&now, *beta);
-            *state = now;
-        }
+    let Block { path, state, before, plain, short_bumps, .. } = block;
+    let path = &*path;
+    let Path { run, knots, .. } = path;
+    if *plain {
+        state[knots.len - 1] = path.follow(state[0], state);
         return;
     }
-    let mut step = 0;
-    for slot in 1..len {
-        place = kept.place(bank, knots.dt[slot], place);
-        now = kept.0[place].1.apply(&now, &Drive { beta: beta[slot - 1], gamma: gamma[slot - 1] });
+    let (mut now, mut drive, mut step) = (state[0], path.drive(0), 0);
+    for slot in 1..knots.len {
+        now = path.transition(slot).apply(&now, &drive);
         before[slot] = now;
         while let Some(jump) = knots.steps.get(step).filter(|jump| jump.slot == slot) {
             // The runway jumps, the aircraft does not; a damper in between gives it a blow.
             let track = &run.tracks[jump.track];
             now.d -= track.lift * jump.height;
-            now.v += track.drag * bank.omega * jump.height;
+            now.v += track.drag * run.oscillators.omega * jump.height;
             step += 1;
         }
-        if run.damping_input {
-            gamma[slot] = Lanes::ZERO;
-            for (track, slope) in run.tracks.iter().zip(&knots.slope) {
-                gamma[slot] += track.drag * (slope[slot] * run.speed);
-            }
-        }
-        if block.short_bumps.watching {
-            block.short_bumps.see(knots, slot, &mut now, beta[slot] == Lanes::ZERO);
+        drive = path.drive(slot);
+        if short_bumps.watching {
+            short_bumps.see(knots, slot, &mut now, drive.beta == Lanes::ZERO);
         }
         state[slot] = now;
     }
@@ -237,46 +187,46 @@ impl<'a> Segment<'a> {
     /// What drives the modes on it.
     #[inline(always)]
     pub fn drive(&self) -> Drive {
-        Drive { beta: self.block.beta[self.slot], gamma: self.block.gamma[self.slot] }
+        self.block.path.drive(self.slot)
     }
 
     /// How long it is, to the last digit.
     #[inline(always)]
     pub fn dt(&self) -> f64 {
-        self.block.knots.dt[self.slot + 1]
+        self.block.path.knots.dt[self.slot + 1]
     }
 
     /// Whether a vertical step begins at its end.
     #[inline(always)]
     pub fn ends_at_step(&self) -> bool {
-        self.block.knots.has_steps && self.block.knots.begins_step(self.slot + 1)
+        self.block.path.knots.has_steps && self.block.path.knots.begins_step(self.slot + 1)
     }
 
     /// Slope under a track.
     #[inline(always)]
     pub fn slope(&self, track: usize) -> f64 {
-        self.block.knots.slope[track][self.slot]
+        self.block.path.knots.slope(self.slot, track)
     }
 
     /// Elevation under a track: at its last breakpoint, and the climb since.
     pub fn elevation(&self, track: usize, time: f64) -> (f64, f64) {
-        self.block.knots.elevation(self.slot, track, self.distance(time))
+        self.block.path.knots.elevation(self.slot, track, self.distance(time))
     }
 
     /// Distance rolled by `time`; at the rounded time of a knot, that knot itself.
     fn distance(&self, time: f64) -> Distance {
         if time <= self.start {
-            self.block.knots.distance(self.slot)
+            self.block.path.knots.distance(self.slot)
         } else if time >= self.end {
-            self.block.knots.distance(self.slot + 1)
+            self.block.path.knots.distance(self.slot + 1)
         } else {
-            Distance::product(time, self.block.run.speed)
+            Distance::product(time, self.block.path.run.speed)
         }
     }
 
     /// Time between two instants, to the last digit.
     pub fn elapsed(&self, from: f64, to: f64) -> f64 {
-        (self.distance(to).minus(self.distance(from)) / self.block.run.speed).max(0.0)
+        (self.distance(to).minus(self.distance(from)) / self.block.path.run.speed).max(0.0)
     }
 
     /// State at `time`, just before the end of the segment if that is its end.
@@ -284,20 +234,42 @@ impl<'a> Segment<'a> {
         if time <= self.start { *self.state() } else { state_after(self, time) }
     }
 
-    /// State at a `time` after the start.
+    /// Its inside, to be looked at at several times.
     #[inline(always)]
-    pub fn state_between(&self, time: f64) -> State {
-        let Block { run, knots, .. } = self.block;
-        let past = time >= self.end;
-        let now = if past { knots.distance(self.slot + 1) } else { Distance::product(time, run.speed) };
-        let since = (now.minus(knots.distance(self.slot)) / run.speed).max(0.0);
-        run.oscillators.over(since).apply(self.state(), &self.drive())
+    pub fn inside(&self) -> Inside {
+        let Path { run, knots, .. } = &self.block.path;
+        Inside {
+            state: *self.state(),
+            drive: self.drive(),
+            begin: knots.distance(self.slot),
+            end: (self.end, knots.distance((self.slot + 1) % SLOTS)),
+            speed: run.speed,
+        }
+    }
+}
+
+/// The inside of a segment: times after its start.
+pub(crate) struct Inside {
+    state: State,
+    drive: Drive,
+    begin: Distance,
+    end: (f64, Distance),
+    speed: f64,
+}
+
+impl Inside {
+    /// State at `time`, just before the end of the segment if that is its end.
+    #[inline(always)]
+    pub fn state_at(&self, bank: &Oscillators, time: f64) -> State {
+        let now = if time >= self.end.0 { self.end.1 } else { Distance::product(time, self.speed) };
+        let since = (now.minus(self.begin) / self.speed).max(0.0);
+        bank.over(since).apply(&self.state, &self.drive)
     }
 }
 
 #[multiversion(targets("x86_64+avx2"))]
 fn state_after(segment: &Segment, time: f64) -> State {
-    segment.state_between(time)
+    segment.inside().state_at(&segment.block.path.run.oscillators, time)
 }
 
 /// Sees every segment of a march.
@@ -305,8 +277,9 @@ pub(crate) trait Visitor {
     /// One segment. The last one has no end.
     fn visit(&mut self, segment: &Segment);
 
-    /// The segments that end in a block.
-    fn visit_block(&mut self, block: &Block) {
+    /// The segments that end in a block, which is yet to be marched through.
+    fn visit_block(&mut self, block: &mut Block) {
+        block.march();
         for segment in block.segments() {
             self.visit(&segment);
         }
@@ -320,7 +293,7 @@ pub(crate) trait Visitor {
 pub(crate) fn march(run: &Run, end: f64, visitor: &mut impl Visitor) {
     let mut block = Block::new(run);
     loop {
-        visitor.visit_block(&block);
+        visitor.visit_block(&mut block);
         let past = block.times().last().is_some_and(|&last| last > end);
         if past || !visitor.go_on(SLOTS as u32) {
             return;

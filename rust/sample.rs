@@ -3,11 +3,12 @@
 use multiversion::multiversion;
 
 use crate::error::{Error, Result};
-use crate::lanes::Lanes;
+use crate::lanes::{LANES, Lanes};
 use crate::march::{Block, Segment, Visitor, march};
+use crate::path::Trail;
 use crate::readout::{Form, Heights, Quantity};
 use crate::run::{Grid, Run};
-use crate::transition::State;
+use crate::transition::{Oscillators, State};
 use crate::watch::{Pulse, Watch};
 
 /// Where the rows of a run are written: displacements and rates, `width` columns each.
@@ -22,30 +23,65 @@ struct Rows<'a> {
 
 impl Rows<'_> {
     #[inline(always)]
-    fn push(&mut self, states: &[State]) {
-        for state in states {
-            let (modal, rate) = (self.rest + state.p, state.v * self.omega);
-            let at = self.count * self.width;
-            match self.width {
-                1 => write::<1>(modal, self.modal, rate, self.rate, at),
-                2 => write::<2>(modal, self.modal, rate, self.rate, at),
-                _ => write::<3>(modal, self.modal, rate, self.rate, at),
-            }
-            self.count += 1;
-        }
+    fn push(&mut self, state: &State) {
+        let at = self.count * self.width;
+        write(self.rest + state.p, self.modal, at, self.width);
+        write(state.v * self.omega, self.rate, at, self.width);
+        self.count += 1;
+    }
+
+    /// Whether there is room for so many rows, and for what idle lanes write after the last.
+    fn has_room(&self, count: usize) -> bool {
+        let end = (self.count + count) * self.width + LANES;
+        end <= self.modal.len() && end <= self.rate.len()
+    }
+
+    /// A row a segment of a block.
+    #[inline(always)]
+    fn march<const N: usize>(&mut self, block: &mut Block) {
+        let begin = self.count * N;
+        self.count += block.times().len();
+        let Self { omega, rest, modal, rate, .. } = self;
+        let (modal, rate) = (&mut modal[begin..], &mut rate[begin..]);
+        block.march_plain(&mut Wide::<N> { omega: *omega, rest: *rest, modal, rate });
     }
 }
 
-/// One row of `N` columns in each of two arrays.
 #[inline(always)]
-fn write<const N: usize>(modal: Lanes, modals: &mut [f64], rate: Lanes, rates: &mut [f64], at: usize) {
-    for (values, out) in [(modal, modals), (rate, rates)] {
-        out[at..at + N].copy_from_slice(&values.0[..N]);
+fn write(lanes: Lanes, rows: &mut [f64], at: usize, width: usize) {
+    if let Some(out) = rows.get_mut(at..at + LANES) {
+        out.copy_from_slice(&lanes.0);
+    } else {
+        write_last(&lanes, rows, at, width);
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn write_last(lanes: &Lanes, rows: &mut [f64], at: usize, width: usize) {
+    rows[at..at + width].copy_from_slice(&lanes.0[..width]);
+}
+
+/// Rows of `N` columns, one store each: what an idle lane writes, the next row overwrites.
+struct Wide<'a, const N: usize> {
+    omega: Lanes,
+    rest: Lanes,
+    modal: &'a mut [f64],
+    rate: &'a mut [f64],
+}
+
+impl<const N: usize> Trail for Wide<'_, N> {
+    #[inline(always)]
+    fn see(&mut self, slot: usize, state: &State) {
+        let row = slot * N..slot * N + LANES;
+        self.modal[row.clone()].copy_from_slice(&(self.rest + state.p).0);
+        self.rate[row].copy_from_slice(&(state.v * self.omega).0);
     }
 }
 
 /// Rows on a grid.
 struct OnGrid<'a, 'b> {
+    bank: &'a Oscillators,
     grid: Grid,
     time: &'a mut [f64],
     rows: &'a mut Rows<'b>,
@@ -56,7 +92,7 @@ impl OnGrid<'_, '_> {
     #[inline(always)]
     fn push(&mut self, time: f64, state: &State) {
         self.time[self.rows.count] = time;
-        self.rows.push(std::slice::from_ref(state));
+        self.rows.push(state);
     }
 }
 
@@ -64,12 +100,13 @@ impl OnGrid<'_, '_> {
 #[multiversion(targets("x86_64+avx2"))]
 fn fill(rows: &mut OnGrid, segment: &Segment, begin: f64, end: f64) {
     let parts = ((end - begin) / rows.grid.step).ceil();
+    let (inside, bank) = (segment.inside(), rows.bank);
     for part in 1..parts as usize {
         if !rows.watch.go_on(1) {
             return;
         }
         let between = begin + (end - begin) * (part as f64 / parts);
-        rows.push(between, &segment.state_between(between));
+        rows.push(between, &inside.state_at(bank, between));
     }
     // The end of the grid, or the last instant before a vertical step: the step's own time
     // shows the other side.
@@ -92,7 +129,7 @@ impl Visitor for OnGrid<'_, '_> {
         }
     }
 
-    fn visit_block(&mut self, block: &Block) {
+    fn visit_block(&mut self, block: &mut Block) {
         if self.row_a_knot(block) {
             // The first segment's row, and those of all knots but the last, which is the next
             // block's first.
@@ -100,8 +137,9 @@ impl Visitor for OnGrid<'_, '_> {
             let rows = self.rows.count;
             self.time[rows] = block.start();
             self.time[rows + 1..rows + count].copy_from_slice(&times[..count - 1]);
-            push_all(self.rows, &block.states()[..count]);
+            march_into(self.rows, block);
         } else {
+            block.march();
             for segment in block.segments() {
                 self.visit(&segment);
             }
@@ -120,21 +158,20 @@ impl OnGrid<'_, '_> {
         let Grid { begin, end, step, .. } = self.grid;
         let times = block.times();
         let inside = block.start() >= begin && times.last().is_some_and(|&last| last <= end);
-        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-        let mut last = block.start();
-        for &time in times {
-            let gap = time - last;
-            least = if gap < least { gap } else { least };
-            most = if gap > most { gap } else { most };
-            last = time;
-        }
-        inside && block.is_plain() && least > 0.0 && most <= step
+        let starts = std::iter::once(block.start()).chain(times.iter().copied());
+        let wrong = |time: f64, start: f64| (time <= start) | (time - start > step);
+        let no = times.iter().zip(starts).fold(false, |any, (&time, start)| any | wrong(time, start));
+        inside && block.is_plain() && !no && self.rows.has_room(times.len())
     }
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn push_all(rows: &mut Rows, states: &[State]) {
-    rows.push(states);
+fn march_into(rows: &mut Rows, block: &mut Block) {
+    match rows.width {
+        1 => rows.march::<1>(block),
+        2 => rows.march::<2>(block),
+        _ => rows.march::<3>(block),
+    }
 }
 
 /// Rows at given times: `write` gets the segment, the row and the time.
@@ -169,13 +206,13 @@ fn at_times(run: &Run, times: &[f64], pulse: Pulse, write: impl FnMut(&Segment, 
 }
 
 fn sample_grid(run: &Run, grid: Grid, time: &mut [f64], rows: &mut Rows, pulse: Pulse) -> Result<()> {
-    let mut visitor = OnGrid { grid, time, rows, watch: Watch::new(pulse) };
+    let mut visitor = OnGrid { bank: &run.oscillators, grid, time, rows, watch: Watch::new(pulse) };
     march(run, grid.end, &mut visitor);
     visitor.watch.outcome
 }
 
 fn sample_times(run: &Run, times: &[f64], rows: &mut Rows, pulse: Pulse) -> Result<()> {
-    at_times(run, times, pulse, |segment, _, time| rows.push(&[segment.state_at(time)]))
+    at_times(run, times, pulse, |segment, _, time| rows.push(&segment.state_at(time)))
 }
 
 impl Run {

@@ -35,6 +35,10 @@ const DEGREE: usize = 19;
 /// Coefficients of G ÷ x², and of K ÷ x³ = Σ aₙ xⁿ⁻² ÷ (n + 1).
 const TERMS: usize = DEGREE - 1;
 
+/// Up to this many radians the first [`SHORT_TERMS`] do as well.
+const SHORT: f64 = 0.0625;
+const SHORT_TERMS: usize = TERMS - 8;
+
 /// The transition over one segment, one lane an oscillator. See the module text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition {
@@ -146,22 +150,48 @@ impl Oscillators {
     #[must_use]
     pub fn over(&self, dt: f64) -> Transition {
         let doublings = doublings(self.stiffest * dt);
-        let x = self.omega * (dt * power_of_half(doublings));
-        let square = x * x;
-        let mut g = square * evaluate(&self.taylor_g, x, square);
-        let mut k = (square * x) * evaluate(&self.taylor_k, x, square);
-        // K + 2ζG + S = x, the equation of motion integrated once.
-        let mut s = x - (k + self.two_zeta * g);
-        let mut w = g + self.two_zeta * s;
-        let two = Lanes::all(2.0);
+        let mut step = self.step::<TERMS>(dt * power_of_half(doublings));
         for _ in 0..doublings {
-            let square = s * s;
-            k = two * k + g * (two * s + self.two_zeta * g);
-            s = s * (two - (g + w));
-            g = g * (two - g) + square;
-            w = w * (two - w) + square;
+            step = self.doubled(&step);
         }
-        Transition { g, s, w, h: s + self.two_zeta * g, k }
+        step
+    }
+
+    /// Whether [`over_short`](Self::over_short) will do.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_short(&self, dt: f64) -> bool {
+        self.stiffest * dt <= SHORT
+    }
+
+    /// The transition over a short time, by fewer terms.
+    #[inline(always)]
+    #[must_use]
+    pub fn over_short(&self, dt: f64) -> Transition {
+        self.step::<SHORT_TERMS>(dt)
+    }
+
+    /// The transition over a time of at most a radian, by `N` terms of the series.
+    #[inline(always)]
+    fn step<const N: usize>(&self, dt: f64) -> Transition {
+        let x = self.omega * dt;
+        let square = x * x;
+        let g = square * evaluate::<N>(&self.taylor_g, x, square);
+        let k = (square * x) * evaluate::<N>(&self.taylor_k, x, square);
+        // K + 2ζG + S = x, the equation of motion integrated once.
+        let s = x - (k + self.two_zeta * g);
+        Transition { g, s, w: g + self.two_zeta * s, h: s + self.two_zeta * g, k }
+    }
+
+    /// The transition over twice the time.
+    #[inline(always)]
+    fn doubled(&self, Transition { g, s, w, h, k }: &Transition) -> Transition {
+        let two = Lanes::all(2.0);
+        let square = *s * *s;
+        let k = two * *k + *g * (*s + *h);
+        let s = *s * (two - (*g + *w));
+        let g = *g * (two - *g) + square;
+        Transition { g, s, w: *w * (two - *w) + square, h: s + self.two_zeta * g, k }
     }
 }
 
@@ -180,10 +210,10 @@ fn power_of_half(n: u32) -> f64 {
 
 /// Every fourth power in a chain of its own: a quarter of the latency of Horner's.
 #[inline(always)]
-fn evaluate(series: &[Lanes; TERMS], x: Lanes, square: Lanes) -> Lanes {
-    const { assert!(TERMS % 4 == 2) };
+fn evaluate<const N: usize>(series: &[Lanes; TERMS], x: Lanes, square: Lanes) -> Lanes {
+    const { assert!(N % 4 == 2) };
     let fourth = square * square;
-    let (low, top) = series.split_at(TERMS - 6);
+    let (low, top) = series[..N].split_at(N - 6);
     let mut chains = [top[0] + top[4] * fourth, top[1] + top[5] * fourth, top[2], top[3]];
     for four in low.rchunks_exact(4) {
         for (chain, term) in chains.iter_mut().zip(four) {

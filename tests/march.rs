@@ -137,3 +137,32 @@ proptest! {
         }
     }
 }
+
+/// Long enough for many blocks of knots; some lengths come back, among many that never do.
+#[test]
+fn lengths_that_come_back_are_told_from_others() {
+    let mut seed = 1980_u64;
+    let mut random = move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let (mut x, mut z) = (vec![0.0], vec![0.0]);
+    let (mut halved_x, mut halved_z) = (x.clone(), z.clone());
+    for _ in 0..3000 {
+        // Sixteenths of an inch add up without rounding.
+        let length =
+            if random() < 0.3 { 1.0 + (4.0 * random()).floor() } else { (160.0 * random()).ceil() / 16.0 };
+        let (from, rise) = ((x[x.len() - 1], z[z.len() - 1]), random() - 0.5);
+        x.push(from.0 + length);
+        z.push(from.1 + rise);
+        halved_x.extend([from.0 + 0.5 * length, from.0 + length]);
+        halved_z.extend([from.1 + 0.5 * rise, from.1 + rise]);
+    }
+    let (whole, halved) = (Profile::new(x, z).unwrap(), Profile::new(halved_x, halved_z).unwrap());
+    let times: Vec<f64> = (0..1000).map(|i| 0.05 * f64::from(i)).collect();
+    for damping_input in [false, true] {
+        let loads =
+            [&whole, &halved].map(|p| read(&run([p; 3], 0.01, damping_input), &Quantity::Load, &times));
+        assert_close(&loads[0], &loads[1], 1e-11);
+    }
+}

@@ -1,0 +1,165 @@
+//! What can be known of a block without a state: its knots, the transitions between them, and
+//! what drives the modes on the way.
+
+use multiversion::multiversion;
+
+use crate::knots::{Knots, SLOTS};
+use crate::lanes::Lanes;
+use crate::run::Run;
+use crate::transition::{Drive, Oscillators, State, Transition};
+
+/// Transitions by the bits of their Δt, a block's worth. Nominally equal segments differ by the
+/// rounding of their stations and then take a handful of values between them; a lag between
+/// gears splits every segment in the same two.
+#[derive(Clone, Debug)]
+struct Kept {
+    dt: [f64; SLOTS],
+    transition: [Transition; SLOTS],
+    /// Where a Δt may be found, by a hash of its bits.
+    place: [u8; SLOTS],
+    /// One bit a place: whether the block at hand uses it.
+    used: u64,
+    next: u8,
+}
+
+impl Kept {
+    fn new(bank: &Oscillators) -> Self {
+        let over_nothing = bank.over(0.0);
+        Self { dt: [0.0; SLOTS], transition: [over_nothing; SLOTS], place: [0; SLOTS], used: 0, next: 0 }
+    }
+
+    /// Place of the transition over `dt`, which is likely that of the last one.
+    #[inline(always)]
+    fn place(&mut self, bank: &Oscillators, dt: f64, last: u8) -> u8 {
+        if self.dt[usize::from(last) % SLOTS] == dt {
+            return last;
+        }
+        let hash = (dt.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58) as usize % SLOTS;
+        let mut place = self.place[hash];
+        if self.dt[usize::from(place) % SLOTS] != dt {
+            // A block has fewer segments than there are places: one is free.
+            while self.used >> self.next & 1 == 1 {
+                self.next = (self.next + 1) % SLOTS as u8;
+            }
+            place = self.next;
+            self.place[hash] = place;
+            self.dt[usize::from(place)] = dt;
+            let transition = &mut self.transition[usize::from(place)];
+            if bank.is_short(dt) {
+                *transition = bank.over_short(dt);
+            } else {
+                *transition = bank.over(dt);
+            }
+        }
+        self.used |= 1 << place;
+        place
+    }
+
+    #[inline(always)]
+    fn get(&self, place: u8) -> &Transition {
+        &self.transition[usize::from(place) % SLOTS]
+    }
+}
+
+/// A block of knots and the transitions between them: all that can be known without a state.
+#[derive(Clone, Debug)]
+pub(crate) struct Path<'a> {
+    pub run: &'a Run,
+    pub knots: Knots<'a>,
+    /// Transition to each knot: its place among those kept.
+    place: [u8; SLOTS],
+    kept: Kept,
+}
+
+impl<'a> Path<'a> {
+    pub fn new(run: &'a Run) -> Self {
+        let kept = Kept::new(&run.oscillators);
+        let mut path = Self { run, knots: Knots::new(run), place: [0; SLOTS], kept };
+        find_transitions(&mut path);
+        path
+    }
+
+    /// Goes on to the next block; whether there is one.
+    pub fn advance(&mut self) -> bool {
+        let more = self.knots.advance();
+        find_transitions(self);
+        more
+    }
+
+    /// Transition to the knot of a slot.
+    #[inline(always)]
+    pub fn transition(&self, slot: usize) -> &Transition {
+        self.kept.get(self.place[slot])
+    }
+
+    /// What drives the modes after the knot of a slot.
+    #[inline(always)]
+    pub fn drive(&self, slot: usize) -> Drive {
+        let mut drive = Drive { beta: Lanes::ZERO, gamma: Lanes::ZERO };
+        for (index, track) in self.run.tracks.iter().enumerate() {
+            let slope = self.knots.slope(slot, index);
+            drive.beta += track.climb * slope;
+            if self.run.damping_input {
+                drive.gamma += track.drag * (slope * self.run.speed);
+            }
+        }
+        drive
+    }
+
+    /// The last state of a block in which nothing happens at the knots but changes of slope;
+    /// `trail` sees the others.
+    #[inline(always)]
+    pub fn follow(&self, from: State, trail: &mut impl Trail) -> State {
+        // The number of tracks as a constant where it is small: its loop unrolls.
+        match self.run.tracks.len() {
+            1 => self.follow_tracks::<1>(from, trail),
+            2 => self.follow_tracks::<2>(from, trail),
+            3 => self.follow_tracks::<3>(from, trail),
+            _ => self.follow_tracks::<0>(from, trail),
+        }
+    }
+
+    /// `N` tracks, all for `N` = 0.
+    #[inline(always)]
+    fn follow_tracks<const N: usize>(&self, from: State, trail: &mut impl Trail) -> State {
+        let Self { run, knots, .. } = self;
+        let tracks = &run.tracks[..if N == 0 { run.tracks.len() } else { N }];
+        let few: [&[f64]; N] = std::array::from_fn(|track| tracks[track].profile.slopes());
+        let mut now = from;
+        for slot in 1..knots.len {
+            trail.see(slot - 1, &now);
+            let mut beta = Lanes::ZERO;
+            for track in 0..tracks.len() {
+                let slopes = if N == 0 { tracks[track].profile.slopes() } else { few[track] };
+                beta += tracks[track].climb * slopes[knots.passed[track][slot - 1]];
+            }
+            now = self.transition(slot).follow(&now, beta);
+        }
+        now
+    }
+}
+
+/// Finds the transitions of a block.
+#[multiversion(targets("x86_64+avx2"))]
+fn find_transitions(path: &mut Path) {
+    let Path { run, knots, place, kept } = path;
+    let mut last = place[0];
+    kept.used = 1 << last;
+    for slot in 1..knots.len {
+        last = kept.place(&run.oscillators, knots.dt[slot], last);
+        place[slot] = last;
+    }
+    place[0] = last;
+}
+
+/// Sees the states in which the segments of a block begin, one by one.
+pub(crate) trait Trail {
+    fn see(&mut self, slot: usize, state: &State);
+}
+
+impl Trail for [State; SLOTS] {
+    #[inline(always)]
+    fn see(&mut self, slot: usize, state: &State) {
+        self[slot] = *state;
+    }
+}

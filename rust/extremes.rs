@@ -275,7 +275,7 @@ impl Climb<'_> {
         let one_sign = |a: f64, b: f64, rate: f64| a * b > 0.0 && a.abs() + b.abs() > rate * h;
         if one_sign(bend0, bend1, third) {
             if slope0 > 0.0 && slope1 < 0.0 {
-                self.summit(from, tau, h, slope0 / (slope0 - slope1));
+                self.summit(from, tau, h, crossing([slope0, slope1], [bend0 * h, bend1 * h]));
             }
             return true;
         }
@@ -286,7 +286,7 @@ impl Climb<'_> {
     #[inline(always)]
     fn summit(&mut self, from: &State, tau: f64, h: f64, guess: f64) {
         // The step after one this short is a rounding error: convergence is quadratic.
-        const SHORT: f64 = 1e-8;
+        const SHORT: f64 = 1e-7;
         let (mut low, mut high, mut at) = (0.0, h, h * guess);
         for _ in 0..MOST_STEPS {
             let state = self.bank.over(at).apply(from, self.drive);
@@ -308,6 +308,17 @@ impl Climb<'_> {
             }
         }
     }
+}
+
+/// Where a function that falls through zero on [0, 1] does so, by the cubic that its inverse
+/// resembles: values and derivatives at both ends.
+#[inline(always)]
+fn crossing([a, b]: [f64; 2], [da, db]: [f64; 2]) -> f64 {
+    let (fall, share) = (b - a, a / (a - b));
+    let rest = 1.0 - share;
+    let bent = share * rest * (rest / da - share / db) * fall;
+    let guess = share * share * (3.0 - 2.0 * share) + bent;
+    if guess > 0.0 && guess < 1.0 { guess } else { share }
 }
 
 /// A stretch from `tau` to `tau + h`, with the states at its ends.

@@ -8,6 +8,9 @@ const STEEPEST: f64 = 1e100;
 /// Shortest footprint as a share of the stations: below it x ± length/2 has too few digits.
 const SHORTEST_FOOTPRINT: f64 = 1e-9;
 
+/// Chords that a tolerance may add to a footprint.
+const MOST_CHORDS: f64 = 1e7;
+
 /// Elevation against station: straight lines between breakpoints, level before the first
 /// and after the last. A repeated station is a vertical step.
 #[derive(Clone, Debug, PartialEq)]
@@ -233,7 +236,8 @@ impl Profile {
     /// of it (a chord of a quadratic of curvature κ errs by at most κ Δx²/8).
     ///
     /// # Errors
-    /// A length or tolerance that is not positive.
+    /// A length or tolerance that is not positive, a length too short beside the stations, a
+    /// tolerance that asks for too many chords.
     pub fn footprint(&self, length: f64, tolerance: f64) -> Result<Self> {
         positive("length", length)?;
         positive("tolerance", tolerance)?;
@@ -242,11 +246,14 @@ impl Profile {
             let why = "too short beside the stations, whose rounding would be felt";
             return Err(Error::OutOfRange { place: "length".into(), value: length, why });
         }
-        let front = self.shifted(-0.5 * length)?;
-        let back = self.shifted(0.5 * length)?;
+        // From the first elevation, so that a high runway costs no digits.
+        let base = self.z[0];
+        let low = Self { z: self.z.iter().map(|z| z - base).collect(), ..self.clone() };
+        let front = low.shifted(-0.5 * length)?;
+        let back = low.shifted(0.5 * length)?;
         let slope = front.combine(&back, |f, b| (f - b) / length)?;
-        let (mut x, mut z) = (vec![slope.x[0]], vec![self.z[0]]);
-        let mut mean = self.z[0];
+        let (mut x, mut z) = (vec![slope.x[0]], vec![base]);
+        let (mut mean, mut added) = (0.0, 0.0);
         for i in 1..slope.x.len() {
             let run = slope.x[i] - slope.x[i - 1];
             if run <= 0.0 {
@@ -254,22 +261,19 @@ impl Profile {
             }
             let (start, change) = (slope.z[i - 1], slope.z[i] - slope.z[i - 1]);
             let chords = (0.125 * run * change.abs() / tolerance).sqrt().ceil().max(1.0);
-            if chords > 1e7 {
+            added += chords - 1.0;
+            if added > MOST_CHORDS {
                 let place = Place::from("tolerance");
-                return Err(Error::OutOfRange {
-                    place,
-                    value: tolerance,
-                    why: "more than 1e7 chords in one piece",
-                });
+                return Err(Error::OutOfRange { place, value: tolerance, why: "more than 1e7 chords" });
             }
             for chord in 1..chords as usize {
                 let share = chord as f64 / chords;
                 x.push(slope.x[i - 1] + run * share);
-                z.push(mean + run * share * (start + 0.5 * change * share));
+                z.push(base + (mean + run * share * (start + 0.5 * change * share)));
             }
             mean += run * (start + 0.5 * change);
             x.push(slope.x[i]);
-            z.push(mean);
+            z.push(base + mean);
         }
         if let (Some(end), Some(&level)) = (z.last_mut(), self.z.last()) {
             *end = level; // the sum of all pieces, less their rounding

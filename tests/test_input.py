@@ -80,6 +80,12 @@ SCALARS: list[tuple[str, Make, str]] = [
     ("height", lambda v: rm.Profile.one_minus_cosine(9.0, v), "any"),
     ("start", lambda v: rm.Profile.one_minus_cosine(9.0, 1.0, start=v), "any"),
     ("segments", lambda v: rm.Profile.one_minus_cosine(9.0, 1.0, segments=v), "positive"),
+    ("length", lambda v: rm.Profile.crater_repair(v, 2.0, 1.0, 60.0), "positive"),
+    ("upheaval", lambda v: rm.Profile.crater_repair(930.0, v, 1.0, 60.0), "any"),
+    ("settlement", lambda v: rm.Profile.crater_repair(930.0, 2.0, v, 60.0), "any"),
+    ("slope", lambda v: rm.Profile.crater_repair(930.0, 2.0, 1.0, v), "not negative"),
+    ("start", lambda v: rm.Profile.crater_repair(930.0, 2.0, 1.0, 60.0, start=v), "any"),
+    ("gap", lambda v: rm.Profile.sequence([MAT, MAT], v), "not negative"),
     ("dx", lambda v: MAT.shifted(v), "any"),
     ("length", lambda v: MAT.footprint(v), "positive"),
     ("tolerance", lambda v: MAT.footprint(9.0, v), "positive"),
@@ -159,8 +165,14 @@ def test_a_tiny_or_huge_number(name: str, make: Make, _allowed: str, value: floa
         result = make(value)
     except rm.InputError as error:
         # Named itself, or the quantity derived from it that is out of range.
-        related = {"damping_ratio": "damping", "length": "ramp", "ramp": "z[1]", "dx": "x"}
-        heights = {"height", "depth"}
+        related = {
+            "damping_ratio": "damping",
+            "length": "ramp",
+            "ramp": "z[1]",
+            "dx": "x",
+            "slope": "x[",
+        }
+        heights = {"height", "depth", "upheaval", "settlement"}
         names = [name.split("[")[0], related.get(name, name), *(["z["] if name in heights else [])]
         if name in ("length", "start"):
             names.append("z[")

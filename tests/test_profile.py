@@ -1,7 +1,9 @@
 """Profiles: builders, sums, steps, footprints, and that nothing of the caller's is touched."""
 
 import pickle
+from fractions import Fraction
 from itertools import pairwise
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -11,6 +13,9 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 
 import runway_modal as rm
+
+STEP_UP = rm.Profile([10, 10], [0, 2])
+DROP = rm.Profile([10, 10], [1, -3])
 
 
 def around(stations: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -40,6 +45,85 @@ def around(stations: NDArray[np.float64]) -> NDArray[np.float64]:
 def test_builders(profile: rm.Profile, x: list[float], z: list[float]) -> None:
     np.testing.assert_array_equal(profile.x, x)
     np.testing.assert_array_equal(profile.z, z)
+
+
+@pytest.mark.parametrize(("slope", "ramp"), [(120.0, 12.0), (0.0, 12.0), (60.0, 0.0), (0.0, 0.0)])
+def test_crater_repair_is_upheaval_and_mat_and_settlement(slope: float, ramp: float) -> None:
+    repair = rm.Profile.crater_repair(930.0, 2.0, 1.0, slope, height=1.5, ramp=ramp, start=-50.0)
+    edge = slope - 50.0
+    parts = [
+        rm.Profile.mat(930.0 + 2 * slope, 2.0, slope, -50.0),
+        rm.Profile.mat(930.0, 1.5, ramp, edge),
+        rm.Profile([edge + ramp, edge + 465.0, edge + 930.0 - ramp], [0.0, -1.0, 0.0]),
+    ]
+    stations = around(repair.x)
+    total = sum((part.elevation(stations) for part in parts), np.zeros(stations.size))
+    np.testing.assert_allclose(repair.elevation(stations), total, rtol=0, atol=1e-12)
+    assert repair.x[0] == -50.0
+    assert repair.x[-1] == 880.0 + 2 * slope
+    assert repair.z[0] == repair.z[-1] == 0.0
+
+
+def test_crater_repair_without_upheaval_and_settlement_is_the_mat() -> None:
+    stations = np.linspace(-10.0, 950.0, 1921)
+    flush = rm.Profile.crater_repair(930.0, 0.0, 0.0, 0.0)
+    mat = rm.Profile.full_mat()
+    np.testing.assert_array_equal(flush.elevation(stations), mat.elevation(stations))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"slope": -1.0}, "slope = -1.0 is negative"),
+        ({"length": 24.0}, "ramp = 12.0 is half the length 24.0: no mat to settle"),
+        ({"length": 20.0}, "ramp = 12.0 is not between 0 and half the length 20.0"),
+        ({"length": -1.0}, "length = -1.0 is not positive"),
+        ({"settlement": np.inf}, "settlement = inf is not finite"),
+    ],
+)
+def test_crater_repair_refuses(changes: dict[str, float], message: str) -> None:
+    values = {"length": 930.0, "upheaval": 2.0, "settlement": 1.0, "slope": 60.0, **changes}
+    with pytest.raises(rm.InputError, match=message):
+        rm.Profile.crater_repair(**values)
+
+
+def test_sequence_is_a_sum_at_stations() -> None:
+    mat, spall = rm.Profile.full_mat(), rm.Profile.two_foot_spall().shifted(-7.0)
+    bump = rm.Profile.one_minus_cosine(100.0, 2.0)
+    row = rm.Profile.sequence([mat, spall, bump, mat], [600.0, 0.0, 30.5])
+    starts = [0.0, 1530.0 + 7.0, 1554.0, 1684.5]
+    parts = [p.shifted(dx) for p, dx in zip([mat, spall, bump, mat], starts, strict=True)]
+    total = parts[0] + parts[1] + parts[2] + parts[3]
+    np.testing.assert_array_equal(np.unique(row.x), np.unique(total.x))
+    stations = around(row.x)
+    np.testing.assert_array_equal(row.elevation(stations), total.elevation(stations))
+    # The double spall is two spalls with a gap.
+    two = rm.Profile.sequence([rm.Profile.two_foot_spall()] * 2, gap=24.0)
+    assert two == rm.Profile.double_spall()
+
+
+def test_sequence_goes_on_from_where_the_last_ended() -> None:
+    up, level = rm.Profile([5, 10], [1, 3]), rm.Profile([7], [4])
+    row = rm.Profile.sequence([up, level, up], gap=2.0)
+    assert row == rm.Profile([5, 10, 12, 14, 19], [1, 3, 3, 3, 5])
+    assert rm.Profile.sequence([up, level, up], gap=0) == rm.Profile([5, 10, 15], [1, 3, 5])
+    assert rm.Profile.sequence([up], gap=[]) == rm.Profile.sequence([up], gap=1.0) == up
+
+
+@pytest.mark.parametrize(
+    ("profiles", "gap", "message"),
+    [
+        ([], 0.0, "profiles is empty"),
+        ([STEP_UP, None], 0.0, r"profiles\[1\] = None is not a Profile"),
+        ([STEP_UP] * 2, -1.0, r"gap\[0\] = -1.0 is negative or not finite"),
+        ([STEP_UP] * 3, [1.0, np.nan], r"gap\[1\] = nan is negative or not finite"),
+        ([STEP_UP] * 3, [1.0], "gap has 1 values, 3 profiles need one fewer"),
+        ([STEP_UP] * 3, [[1.0, 2.0]], r"gap has shape \(1, 2\)"),
+    ],
+)
+def test_sequence_refuses(profiles: list[rm.Profile], gap: float, message: str) -> None:
+    with pytest.raises(rm.InputError, match=message):
+        rm.Profile.sequence(profiles, gap)
 
 
 def test_spalls_that_touch() -> None:
@@ -76,10 +160,6 @@ def test_elevation_between_before_and_after() -> None:
 def test_elevation_refuses_nan() -> None:
     with pytest.raises(rm.InputError, match=r"stations\[1\] = nan"):
         rm.Profile.full_mat().elevation([0.0, np.nan])
-
-
-STEP_UP = rm.Profile([10, 10], [0, 2])
-DROP = rm.Profile([10, 10], [1, -3])
 
 
 @pytest.mark.parametrize(
@@ -186,6 +266,120 @@ def test_footprint_too_short_for_the_stations(length: float) -> None:
     # The ends of the contact would round together and the mean would be anything.
     with pytest.raises(rm.InputError, match=r"length = .* is out of range"):
         rm.Profile.full_mat().footprint(length)
+
+
+def fraction_mean(profile: rm.Profile, length: float, station: float) -> Fraction:
+    """Mean elevation over the contact length, in exact arithmetic, from the breakpoints in it."""
+    x, z = profile.x, profile.z
+    half = Fraction(length) / 2
+    low, high = Fraction(station) - half, Fraction(station) + half
+    first = max(int(np.searchsorted(x, float(low))) - 2, 0)
+    last = min(int(np.searchsorted(x, float(high))) + 2, x.size)
+    points = [(Fraction(a), Fraction(b)) for a, b in zip(x[first:last], z[first:last], strict=True)]
+    points = [
+        (min(low, points[0][0]), points[0][1]),
+        *points,
+        (max(high, points[-1][0]), points[-1][1]),
+    ]
+    total = Fraction(0)
+    for (a, za), (b, zb) in pairwise(points):
+        left, right = max(a, low), min(b, high)
+        if right > left:
+            middle = za + (zb - za) * ((left + right) / 2 - a) / (b - a)
+            total += middle * (right - left)
+    return total / Fraction(length)
+
+
+def rough(points: int, base: float = 0.0, steps: bool = True) -> rm.Profile:
+    """Random breakpoints, every seventh a vertical step."""
+    random = np.random.default_rng(points)
+    runs = random.exponential(30.0, points)
+    runs[::7] *= not steps
+    return rm.Profile(np.cumsum(runs), base + np.cumsum(random.normal(0.0, 0.1, points)))
+
+
+def departures(profile: rm.Profile, felt: rm.Profile, length: float, most: int) -> list[float]:
+    """How far chords lie from the exact mean at their middles, where they are furthest."""
+    middles = 0.5 * (felt.x[1:] + felt.x[:-1])
+    chosen = np.random.default_rng(0).permutation(middles.size)[:most]
+    found = felt.elevation(middles)
+    return [
+        abs(float(Fraction(found[i]) - fraction_mean(profile, length, middles[i]))) for i in chosen
+    ]
+
+
+def rounding(profile: rm.Profile, length: float) -> float:
+    """A last digit of the largest station in the contact length, and one of elevation."""
+    share = np.spacing(abs(profile.x).max()) / length
+    return float(np.ptp(profile.z) * share + 2 * np.spacing(abs(profile.z).max()))
+
+
+@pytest.mark.parametrize("length", [1e-3, 0.7, 11.0, 24.0, 300.0, 1e5])
+def test_footprint_keeps_within_its_tolerance(length: float) -> None:
+    profile = rough(300)
+    for tolerance in (1e-2, 1e-4, 1e-6):
+        felt = profile.footprint(length, tolerance)
+        allowed = rounding(profile, length)
+        most = 400 if length < 1e4 else 10
+        assert max(departures(profile, felt, length, most)) <= tolerance + allowed
+        chosen = np.linspace(0, felt.x.size - 1, most // 10).astype(int)
+        on = [float(fraction_mean(profile, length, x)) for x in felt.x[chosen]]
+        np.testing.assert_allclose(felt.z[chosen], on, rtol=0, atol=allowed)
+
+
+def test_footprint_error_and_chords_follow_the_tolerance() -> None:
+    profile, found = rough(40, steps=False), []
+    for tolerance in 4.0 ** -np.arange(5, 12):
+        felt = profile.footprint(11.0, tolerance)
+        worst = max(departures(profile, felt, 11.0, felt.x.size))
+        # The bound is no vanity: it is nearly reached.
+        assert 0.6 * tolerance < worst <= tolerance * (1 + 1e-6)
+        found.append(felt.x.size)
+    # A quarter of the tolerance is twice the chords, in the limit of many.
+    growth = np.diff(np.log2(found))
+    assert np.all(np.diff(growth) > -0.02)
+    assert growth[-1] == pytest.approx(1.0, abs=0.15)
+
+
+def test_footprint_of_a_step_of_any_length_is_a_ramp() -> None:
+    for length in (1e-7, 1.0, 1e7):
+        felt = STEP_UP.footprint(length, 1e-12)
+        np.testing.assert_allclose(felt.x, 10.0 + np.array([-0.5, 0.5]) * length, rtol=1e-15)
+        np.testing.assert_array_equal(felt.z, STEP_UP.z)
+
+
+def test_a_short_footprint_leaves_the_profile_and_a_long_one_its_mean() -> None:
+    mat, stations = rm.Profile.full_mat(), np.linspace(-50.0, 1000.0, 2101)
+    felt = mat.footprint(1e-4)
+    # A ramp of 1/8 is rounded over half a footprint either side.
+    assert abs(felt.elevation(stations) - mat.elevation(stations)).max() < 1e-4 / 8
+    assert mat.footprint(1e6, 1e-12).elevation([465.0])[0] == pytest.approx(1.5 * 918 / 1e6)
+
+
+@pytest.mark.parametrize("base", [0.0, 1e5])
+@pytest.mark.parametrize("length", [0.7, 11.0])
+def test_footprint_of_many_breakpoints_does_not_drift(base: float, length: float) -> None:
+    profile = rough(100_000, base)
+    felt = profile.footprint(length)
+    chosen = np.linspace(0, felt.x.size - 1, 100).astype(int)
+    exact = [fraction_mean(profile, length, felt.x[i]) for i in chosen]
+    errors = [abs(float(Fraction(felt.z[i]) - e)) for i, e in zip(chosen, exact, strict=True)]
+    assert max(errors) <= rounding(profile, length)
+
+
+def test_footprint_of_many_breakpoints_is_fast() -> None:
+    profile = rough(100_000)
+    times = []
+    for _ in range(3):
+        start = perf_counter()
+        profile.footprint(11.0)
+        times.append(perf_counter() - start)
+    assert min(times) < 1.0
+
+
+def test_footprint_refuses_more_chords_than_memory() -> None:
+    with pytest.raises(rm.InputError, match=r"tolerance = 1e-17 is out of range.*more than 1e7"):
+        rough(2000).footprint(11.0, 1e-17)
 
 
 def test_footprint_of_a_level_runway() -> None:

@@ -8,6 +8,8 @@ from ._core import InputError, NumericalError
 from .aircraft import Aircraft, Gear, equivalent_stiffness, f4e, single_dof
 from .modes import Modes
 from .profile import Profile
+from .profile_csv import read_csv, write_csv
+from .profile_erd import read_erd, write_erd
 from .response import Extremes, Response
 from .simulate import simulate
 from .units import knots
@@ -24,6 +26,10 @@ __all__ = [
     "equivalent_stiffness",
     "f4e",
     "knots",
+    "read_csv",
+    "read_erd",
     "simulate",
     "single_dof",
+    "write_csv",
+    "write_erd",
 ]

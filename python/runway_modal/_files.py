@@ -1,0 +1,196 @@
+"""What reading and writing profiles have in common, whatever the format."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from contextlib import suppress
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from ._core import InputError
+from .profile import Profile
+from .units import convert_length, is_length_unit, length_unit
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+    FilePath: TypeAlias = str | os.PathLike[str]
+
+#: A column of a file: its name, or its number from 0.
+Column: TypeAlias = str | int
+
+#: A decimal comma, and no point for thousands.
+_DECIMAL_COMMA = str.maketrans({",": ".", ".": ","})
+
+#: What a single profile is called where a file asks for a name.
+ELEVATION = "elevation"
+
+
+def fault(path: FilePath, line: int, what: str) -> InputError:
+    """Make the error for a line of a file."""
+    return InputError(f"{path}, line {line}: {what}")
+
+
+def read_lines(path: FilePath) -> list[str]:
+    """Lines of a text file, whatever ends them, without a byte order mark."""
+    # Names in another encoding are no obstacle to numbers: their bytes are kept as they are.
+    text = Path(path).read_bytes().decode("utf-8-sig", errors="surrogateescape")
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if "\0" in text:
+        line = text.count("\n", 0, text.index("\0")) + 1
+        raise fault(path, line, "a zero byte: this is no text file in UTF-8 or ASCII")
+    return text.split("\n")
+
+
+def excerpt(line: str) -> str:
+    """Show the beginning of a line."""
+    return repr(line if len(line) <= 60 else f"{line[:60]}…")
+
+
+def wanted(elevation: Column | Mapping[str, Column]) -> dict[str, Column]:
+    """Name of each profile and its column."""
+    if not isinstance(elevation, Mapping):
+        return {ELEVATION: elevation}
+    if not elevation:
+        raise InputError("elevation names no column")
+    return dict(elevation)
+
+
+def find(
+    path: FilePath, line: int, column: Column, names: Sequence[str], others: Sequence[str]
+) -> int:
+    """Find the number of a column: by its name in this line of the file, or its other name."""
+    if isinstance(column, str):
+        for known in (names, others):
+            found = [i for i, name in enumerate(known) if name == column]
+            if len(found) == 1:
+                return found[0]
+            if found:
+                raise fault(path, line, f"columns {found} are all called {column!r}")
+        there = ", ".join(map(repr, names)) if any(names) else "no names"
+        raise fault(path, line, f"no column is called {column!r}; there are {there}")
+    if isinstance(column, bool) or not isinstance(column, int | np.integer):
+        raise InputError(f"column {column!r} is neither a name nor a whole number")
+    if not 0 <= column < len(names):
+        raise fault(path, line, f"no column {column}; there are {len(names)}, counted from 0")
+    return int(column)
+
+
+def unit_of(path: FilePath, line: int, what: str, in_file: str, stated: str | None) -> str:
+    """Choose the unit of a column: the file's, or the caller's if the file has none."""
+    unit = in_file.lower()
+    if is_length_unit(unit):
+        if stated not in (None, unit):
+            raise fault(path, line, f"{what} is in {in_file!r}, not in unit = {stated!r}")
+        return unit
+    if stated is None:
+        said = f"unknown unit {in_file!r}" if in_file else "no unit"
+        raise fault(path, line, f"{said} for {what}: state it with the argument unit")
+    return stated
+
+
+def stated_units(unit: str | tuple[str, str] | None) -> tuple[str | None, str | None]:
+    """Units of station and elevation that the caller states."""
+    if unit is None:
+        return None, None
+    if isinstance(unit, str):
+        return length_unit("unit", unit), unit
+    try:
+        station, elevation = unit
+    except (TypeError, ValueError):
+        raise InputError(f"unit = {unit!r} is not a unit or a pair of units") from None
+    return length_unit("unit[0]", station), length_unit("unit[1]", elevation)
+
+
+def numbers(
+    path: FilePath, lines: Sequence[int], cells: Sequence[str], what: str, decimal: str = "."
+) -> NDArray[np.float64]:
+    """Finite numbers from texts, each from a line of the file."""
+    texts = cells if decimal == "." else [cell.translate(_DECIMAL_COMMA) for cell in cells]
+    values = np.array([np.nan])
+    with suppress(ValueError):
+        values = np.array([float(text) for text in texts])
+    if np.isfinite(values).all() and not any("_" in text for text in texts):
+        return values
+    # A word in a file of a million numbers is looked for only where there is one.
+    for line, cell, text in zip(lines, cells, texts, strict=True):
+        said = repr(cell.strip()) if cell.strip() else "an empty cell"
+        if not is_number(text):
+            hint = ", or decimal = ','" if decimal == "." and "," in cell else ""
+            raise fault(path, line, f"{what}: {said} is not a number{hint}")
+        if not math.isfinite(float(text)):
+            raise fault(path, line, f"{what}: {said} is not finite")
+    return values
+
+
+def is_number(text: str, decimal: str = ".") -> bool:
+    """Whether a text is one number; Python's own 1_000 is none in a file."""
+    try:
+        float(text if decimal == "." else text.translate(_DECIMAL_COMMA))
+    except ValueError:
+        return False
+    return "_" not in text
+
+
+def profiles(
+    path: FilePath,
+    lines: Sequence[int],
+    stations: NDArray[np.float64],
+    elevations: Mapping[str, NDArray[np.float64]],
+) -> dict[str, Profile]:
+    """Profiles that share stations, each breakpoint from a line of the file."""
+    falling = np.flatnonzero(np.diff(stations) < 0)
+    if falling.size:
+        i = int(falling[0])
+        step = f"station {stations[i + 1]} comes after {stations[i]}"
+        raise fault(path, lines[i + 1], f"{step}: stations may not decrease")
+    try:
+        return {name: Profile(stations, z) for name, z in elevations.items()}
+    except InputError as error:
+        at = re.match(r"[xz]\[(\d+)\]", str(error))
+        raise fault(path, lines[int(at[1]) if at else 0], str(error)) from None
+
+
+def in_unit(values: NDArray[np.float64], unit: str, to: str) -> NDArray[np.float64]:
+    """Lengths in another unit; what overflows is left for `Profile` to refuse."""
+    with np.errstate(over="ignore"):
+        return convert_length(values, unit, to)
+
+
+def as_tracks(tracks: Profile | Mapping[str, Profile]) -> dict[str, Profile]:
+    """Profiles by name, all on the same stations, as a table has them."""
+    if isinstance(tracks, Profile):
+        return {ELEVATION: tracks}
+    if not isinstance(tracks, Mapping) or not tracks:
+        raise InputError(f"tracks = {tracks!r} is neither a Profile nor profiles by name")
+    for name, profile in tracks.items():
+        if not isinstance(profile, Profile):
+            raise InputError(f"tracks[{name!r}] = {profile!r} is not a Profile")
+        if not isinstance(name, str) or not name.isprintable() or name != name.strip() or not name:
+            raise InputError(f"tracks: the name {name!r} cannot stand in a file")
+    for (one, first), (other, second) in pairwise(tracks.items()):
+        if not np.array_equal(first.x, second.x):
+            raise InputError(
+                f"tracks[{one!r}] and tracks[{other!r}] have different stations: one table needs "
+                "the same ones, or write a file each"
+            )
+    return dict(tracks)
+
+
+def write_lines(path: FilePath, lines: Iterable[str]) -> None:
+    """Write lines as UTF-8, each with a line feed on any system."""
+    Path(path).write_text("".join(f"{line}\n" for line in lines), encoding="utf-8", newline="\n")
+
+
+def rows(columns: Iterable[NDArray[np.float64]], separator: str) -> Iterable[str]:
+    """Rows of a table, with the fewest digits that give the same number back."""
+    texts = [[repr(value) for value in column.tolist()] for column in columns]
+    return map(separator.join, zip(*texts, strict=True))

@@ -408,3 +408,25 @@ def test_what_an_erd_file_cannot_hold(path: Path, tracks: Any, message: str) -> 
     with pytest.raises(rm.InputError, match=re.escape(message)):
         rm.write_erd(path, tracks, "in")
     assert not path.exists()
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=300)
+@given(
+    text=st.sampled_from([ERD, "x [m],z [mm]\n0,0\n1.5,2\n4,0\n", '"x [in]";"z"\n0;0\n1,5;2\n']),
+    at=st.integers(0, 400),
+    gone=st.integers(0, 30),
+    put=st.binary(max_size=6) | st.text('0123456789.,;-eE_#"[]\n\r\t ', max_size=6).map(str.encode),
+)
+def test_a_damaged_file_is_read_or_refused_with_its_line(
+    path: Path, text: str, at: int, gone: int, put: bytes
+) -> None:
+    data = text.encode()
+    save(path, data[:at] + put + data[at + gone :])
+    for read, how in ((rm.read_csv, {"decimal": ","}), (rm.read_csv, {}), (rm.read_erd, {})):
+        for unit in ("in", None):
+            try:
+                profile = read(path, "in", unit=unit, **how)
+            except rm.InputError as error:
+                assert str(error).startswith(f"{path}, line ")
+            else:
+                assert np.isfinite([profile.x, profile.z]).all()

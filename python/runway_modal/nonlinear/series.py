@@ -1,0 +1,170 @@
+"""Springs in series: one load, the compressions add."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .._core import NumericalError
+from .springs import GasSpring
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from .springs import Values
+
+#: A strut without a tire in series carries no more than its gas at this share of its column: no
+#: run gets there, but a trial step of the integration may try to get past the bottom.
+_BOTTOM = 1e-6
+
+#: Newton steps that suffice for any load within 1e40 of the chamber's reference load.
+_ITERATIONS = 60
+
+
+class Branch:
+    """
+    Smooth piece of the series' law: certain chambers and linear springs in series.
+
+    Parameters
+    ----------
+    chambers : sequence of GasSpring
+        Chambers off their stops.
+    compliance : float
+        Sum of 1/k of the linear springs [length/force].
+    """
+
+    __slots__ = ("_limit", "chambers", "compliance")
+
+    def __init__(self, chambers: Sequence[GasSpring], compliance: float) -> None:
+        self.chambers = tuple(chambers)
+        self.compliance = compliance
+        columns = sum(chamber.column for chamber in self.chambers)
+        self._limit = math.inf if compliance else (1.0 - _BOTTOM) * columns
+
+    def compression(self, load: Values) -> Values:
+        """Sum of the compressions at a load."""
+        total: Values = self.compliance * load
+        for chamber in self.chambers:
+            total = total + chamber.compression(load)
+        return total
+
+    def stiffness(self, load: Values) -> Values:
+        """Tangent stiffness at a load, 1/k = Σ 1/k_i (Table 2)."""
+        total: Values = self.compliance + 0.0 * load
+        for chamber in self.chambers:
+            total = total + 1.0 / chamber.stiffness(load)
+        return 1.0 / total
+
+    def load(self, compression: Values) -> Values:
+        """Load at a sum of compressions."""
+        if not self.chambers:
+            return compression / self.compliance
+        bounded: Values = np.minimum(compression, self._limit)
+        if len(self.chambers) == 1:
+            (gas,) = self.chambers
+            if not self.compliance:
+                return gas.force(bounded)
+            if gas.polytropic == 1.0:
+                return self._isothermal(gas, bounded)
+        return self._newton(bounded)
+
+    def _isothermal(self, gas: GasSpring, compression: Values) -> Values:
+        """Root of κF² + (ℓ - D)F - ℓF₀ = 0, κ the compliance and D the compression."""
+        gap: Values = gas.column - compression
+        scale = gas.column * gas.load
+        size: Values = abs(gap) + (gap * gap + 4.0 * self.compliance * scale) ** 0.5
+        # Of the two forms of the root, the one that does not subtract.
+        chosen: Values = np.where(gap > 0.0, 2.0 * scale / size, size / (2.0 * self.compliance))[()]
+        return chosen
+
+    def _newton(self, compression: Values) -> Values:
+        # The compression is a concave function of the load, so from below the root Newton's
+        # method climbs to it; from above it falls below at once, held where loads are positive.
+        load: Values = self.chambers[0].load + 0.0 * compression
+        for _ in range(_ITERATIONS):
+            excess: Values = self.compression(load) - compression
+            better: Values = np.maximum(load - excess * self.stiffness(load), load / 8.0)
+            done = np.all(abs(better - load) <= 1e-9 * better)
+            load = better
+            if done:
+                # Convergence is quadratic: that step left an error of 1e-18.
+                return load
+        raise NumericalError(f"load at the compression {compression!r} not found")
+
+
+class Series:
+    """
+    Chambers and linear springs in series, as a law in smooth pieces.
+
+    Piece 0 lies below the first kink. There the load does not change any more: with a tire the
+    gear is off the runway; a strut by itself is on its stop. Each further kink is a chamber
+    leaving its stop.
+
+    Parameters
+    ----------
+    chambers : sequence of GasSpring
+        Gas chambers.
+    compliance : float
+        Sum of 1/k of the linear springs [length/force].
+    static : float
+        Load at which the compression counts as 0 [force].
+    tire : bool
+        Whether a tire is among the linear springs: it does not pull.
+    """
+
+    __slots__ = ("_begin", "_branches", "_offsets", "kinks")
+
+    #: Compressions at which the pieces begin; -inf where a load never gets below the first.
+    kinks: list[float]
+
+    def __init__(
+        self, chambers: Sequence[GasSpring], compliance: float, static: float, *, tire: bool
+    ) -> None:
+        ordered = sorted(chambers, key=lambda chamber: chamber.preload)
+        preloads = [chamber.preload for chamber in ordered]
+        least = 0.0 if tire else preloads[0] if preloads else -math.inf
+        first = bisect(preloads, least)
+        active = range(first, len(ordered) + 1)
+        self._branches = [Branch(ordered[:n], compliance) for n in active]
+        # How far the chambers on their stops are extended.
+        held = [sum(chamber.extension for chamber in ordered[n:]) for n in active]
+
+        def compression(piece: int, load: float) -> float:
+            if load <= 0.0 and (self._branches[piece].chambers or load == -math.inf):
+                return -math.inf
+            return self._branches[piece].compression(load) - held[piece]
+
+        #: Loads at which the pieces begin.
+        self._begin = [least, *preloads[first:]]
+        static = max(static, least)
+        zero = compression(bisect(self._begin, static) - 1, static)
+        self.kinks = [compression(i, load) - zero for i, load in enumerate(self._begin)]
+        self._offsets = [zero + stops for stops in held]
+
+    def piece(self, compression: float) -> int:
+        """Piece that a compression lies in."""
+        return bisect(self.kinks, compression)
+
+    def load(self, piece: int, compression: Values) -> Values:
+        """Load of a piece, also a little beyond its ends."""
+        if piece == 0:
+            return self._begin[0] + 0.0 * compression
+        return self._branches[piece - 1].load(compression + self._offsets[piece - 1])
+
+    def compression(self, load: float) -> float:
+        """Compression at a load, from the one at the static load."""
+        piece = bisect(self._begin, load)
+        return self._branches[piece - 1].compression(load) - self._offsets[piece - 1]
+
+    def stiffness(self, piece: int, load: Values) -> Values:
+        """Tangent stiffness of a piece at a load; 0 off the runway and on the stop."""
+        if piece == 0:
+            return 0.0 * load
+        return self._branches[piece - 1].stiffness(load)
+
+    def stiffness_at(self, load: float) -> float:
+        """Tangent stiffness at a load."""
+        return float(self.stiffness(bisect(self._begin, load), load))

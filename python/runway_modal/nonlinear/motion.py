@@ -227,15 +227,21 @@ class Motion:
         self, stretch: Stretch, time: float | Array, y: Array
     ) -> Iterator[tuple[int, MasslessGear | Wheel, tuple[Any, ...]]]:
         """Compression and rate of each spring; with a wheel also the tire's deflection."""
-        ground = stretch.at(time)
-        above, rise = self.geometry @ y[:3], self.geometry @ y[3:6]
+        ground: Any = stretch.at(time)
+        above: Any = self.geometry @ y[:3]
+        rise: Any = self.geometry @ y[3:6]
+        slope, values = stretch.slope, y
+        if y.ndim == 1:
+            # At one time the laws are many small sums: faster without arrays.
+            ground, above, rise = ground.tolist(), above.tolist(), rise.tolist()
+            slope, values = slope.tolist(), y.tolist()
         for i, gear in enumerate(self._gears):
             if isinstance(gear, Wheel):
                 wheel = self._wheel_of[i]
-                z, rate = y[wheel], y[wheel + self._wheels]
+                z, rate = values[wheel], values[wheel + self._wheels]
                 yield i, gear, (z - above[i], rate - rise[i], ground[i] - z)
             else:
-                yield i, gear, (ground[i] - above[i], stretch.slope[i] - rise[i])
+                yield i, gear, (ground[i] - above[i], slope[i] - rise[i])
 
     def forces(
         self, states: Sequence[State], stretch: Stretch, time: float | Array, y: Array

@@ -138,7 +138,8 @@ class Response:
             rows["cg_rate"][here] = y[3:6].T
             rows["cg_acceleration"][here] = forces.body.T
             rows["elevation"][here] = piece.stretch.at(times).T
-            rows["load"][here] = forces.load.T
+            # Where a gear leaves the runway rounding may leave less than nothing.
+            rows["load"][here] = np.maximum(forces.load, 0.0).T
             rows["stiffness"][here] = self._motion.stiffness(piece.states, piece.stretch, times, y).T
         return {name: read_only(values) for name, values in rows.items()}
 
@@ -261,7 +262,8 @@ class Response:
         """Quantities whose maxima are wanted: ± loads, ± accelerations at stations."""
         forces = self._motion.forces(piece.states, piece.stretch, times, piece.y(times))
         acceleration = self._arms @ forces.body
-        return np.concatenate((forces.load, -forces.load, acceleration, -acceleration))
+        load = np.maximum(forces.load, 0.0)
+        return np.concatenate((load, -load, acceleration, -acceleration))
 
     @cached_property
     def _extremes(self) -> Extremes:
@@ -421,9 +423,12 @@ class Response:
 
 
 def _promising(values: Array, best: float) -> list[int]:
-    """Samples next to which a peak may be higher than all samples: highest or curved enough."""
+    """The highest sample, if it is here, and those next to which a peak may be higher."""
     bend = np.zeros_like(values)
     bend[1:-1] = abs(np.diff(values, 2))
+    bend[[0, -1]] = bend[[1, -2]] if values.size > 2 else 0.0
     before, after = np.r_[-np.inf, values[:-1]], np.r_[values[1:], -np.inf]
-    peak = (values >= before) & (values >= after)
-    return np.flatnonzero(peak & (values + bend >= best)).tolist()
+    peak = (values >= before) & (values >= after) & (values + bend > best)
+    top = int(values.argmax())
+    peak[top] |= values[top] == best
+    return np.flatnonzero(peak).tolist()

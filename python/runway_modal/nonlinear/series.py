@@ -62,14 +62,13 @@ class Branch:
         """Load at a sum of compressions."""
         if not self.chambers:
             return compression / self.compliance
-        bounded: Values = np.minimum(compression, self._limit)
-        if len(self.chambers) == 1:
-            (gas,) = self.chambers
-            if not self.compliance:
-                return gas.force(bounded)
-            if gas.polytropic == 1.0:
-                return self._isothermal(gas, bounded)
-        return self._newton(bounded)
+        if not self.compliance:
+            compression = np.minimum(compression, self._limit)
+            if len(self.chambers) == 1:
+                return self.chambers[0].force(compression)
+        elif len(self.chambers) == 1 and self.chambers[0].polytropic == 1.0:
+            return self._isothermal(self.chambers[0], compression)
+        return self._newton(compression)
 
     def _isothermal(self, gas: GasSpring, compression: Values) -> Values:
         """Root of κF² + (ℓ - D)F - ℓF₀ = 0, κ the compliance and D the compression."""
@@ -77,8 +76,9 @@ class Branch:
         scale = gas.column * gas.load
         size: Values = abs(gap) + (gap * gap + 4.0 * self.compliance * scale) ** 0.5
         # Of the two forms of the root, the one that does not subtract.
-        chosen: Values = np.where(gap > 0.0, 2.0 * scale / size, size / (2.0 * self.compliance))[()]
-        return chosen
+        if isinstance(gap, float):
+            return 2.0 * scale / size if gap > 0.0 else size / (2.0 * self.compliance)
+        return np.where(gap > 0.0, 2.0 * scale / size, size / (2.0 * self.compliance))
 
     def _newton(self, compression: Values) -> Values:
         # The compression is a concave function of the load, so from below the root Newton's

@@ -248,7 +248,7 @@ class Orifice:
     --------
     >>> from runway_modal import nonlinear
     >>> damper = nonlinear.Orifice(compression=2.0, rebound=8.0)
-    >>> float(damper.force(10.0)), float(damper.force(-10.0))
+    >>> damper.force(10.0), damper.force(-10.0)
     (200.0, -800.0)
     """
 
@@ -260,7 +260,7 @@ class Orifice:
         for key in ("compression", "rebound"):
             object.__setattr__(self, key, not_negative(key, getattr(self, key)))
 
-    def force(self, rate: Values) -> NDArray[np.float64]:
+    def force(self, rate: Values) -> Values:
         """
         Force that resists a rate of compression.
 
@@ -271,14 +271,14 @@ class Orifice:
 
         Returns
         -------
-        ndarray
+        float or ndarray
             Force, positive in compression [force].
 
         Examples
         --------
         >>> from runway_modal import nonlinear
-        >>> nonlinear.Orifice(1.0, 2.0).force(3.0)
-        array(9.)
+        >>> nonlinear.Orifice(compression=1.0, rebound=2.0).force(3.0)
+        9.0
         """
-        coefficient = np.where(np.greater(rate, 0.0), self.compression, self.rebound)
-        return np.asarray(coefficient * rate * np.abs(rate))
+        coefficient = self.compression * (rate > 0.0) + self.rebound * (rate < 0.0)
+        return coefficient * rate * abs(rate)

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import aircraft as linear
-from .._core import InputError, NumericalError
-from .._input import number, read_only
+from runway_modal import aircraft as linear
+from runway_modal._core import InputError, NumericalError
+from runway_modal._input import read_only
+
 from .series import Series
 from .springs import GasSpring, LinearSpring, Orifice, not_negative, positive
 
@@ -95,15 +96,14 @@ class Gear:
         object.__setattr__(self, "x", checked.x)
         object.__setattr__(self, "y", checked.y)
 
-    def _springs(self, *, strut: bool, tire: bool) -> tuple[tuple[GasSpring, ...], float]:
-        """Chambers and compliance of a part of the gear."""
-        chambers = self.strut if strut and not isinstance(self.strut, LinearSpring) else ()
-        compliance = 1.0 / self.strut.rate if strut and isinstance(self.strut, LinearSpring) else 0.0
-        return tuple(chambers), compliance + (1.0 / self.tire if tire else 0.0)
-
     def _law(self, load: float, *, strut: bool = True, tire: bool = True) -> Series:
         """Law of strut and tire in series, or of one of them, about a static load."""
-        chambers, compliance = self._springs(strut=strut, tire=tire)
+        chambers: Sequence[GasSpring] = ()
+        compliance = 1.0 / self.tire if tire else 0.0
+        if strut and isinstance(self.strut, LinearSpring):
+            compliance += 1.0 / self.strut.rate
+        elif strut and isinstance(self.strut, tuple):
+            chambers = self.strut
         return Series(chambers, compliance, load, tire=tire)
 
 
@@ -291,8 +291,9 @@ def f4e(polytropic: float = 1.0, damping_ratio: float = 0.01) -> Aircraft:
     Examples
     --------
     >>> from runway_modal import nonlinear
-    >>> nonlinear.f4e(polytropic=1.1).gears[1].strut[0].column.round(4)
-    np.float64(0.9346)
+    >>> left = nonlinear.f4e(polytropic=1.1).gears[1]
+    >>> round(left.strut[0].column, 4)
+    0.9346
     """
     ratio = not_negative("damping_ratio", damping_ratio)
     report = linear.f4e()

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from ..profile import Profile
+    from runway_modal.profile import Profile
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,9 +29,7 @@ class Stretch:
 
     def at(self, time: float | NDArray[np.float64]) -> NDArray[np.float64]:
         """Elevations at one time, shape (g,), or at many, shape (g, n)."""
-        return np.asarray(
-            (self.elevation + np.multiply.outer(time - self.begin, self.slope)).T
-        )
+        return np.asarray((self.elevation + np.multiply.outer(time - self.begin, self.slope)).T)
 
 
 def stretches(profiles: Sequence[Profile], lags: Sequence[float], speed: float) -> list[Stretch]:

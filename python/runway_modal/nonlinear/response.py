@@ -8,19 +8,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core import InputError
-from .._input import any_array, array, number, read_only
-from ..aircraft import equivalent_stiffness
-from ..response import Extremes
+from runway_modal._core import InputError
+from runway_modal._input import any_array, array, number, read_only
+from runway_modal.aircraft import equivalent_stiffness
+from runway_modal.response import Extremes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
     from .aircraft import Aircraft
+    from .gears import State
     from .ground import Stretch
-    from .motion import Array, Motion, State
+    from .motion import Motion
+    from .springs import Array
 
 #: Points of a step among which extremes are looked for.
 _LOOKS = 8
@@ -54,11 +56,12 @@ class Piece:
         return out
 
     def looks(self, begin: float, end: float) -> Array:
-        """Times in the piece close enough together to show every peak, and its ends."""
+        """Give times in the piece close enough together to show every peak, and its ends."""
         begin, end = max(begin, self.begin), min(end, self.end)
         if not self.steps:
             return np.array([end if begin == -np.inf else begin])
-        inner = (np.array(self.knots[:-1])[:, None] + np.diff(self.knots)[:, None] * np.arange(_LOOKS) / _LOOKS).ravel()
+        knots = np.array(self.knots)
+        inner = (knots[:-1, None] + np.diff(knots)[:, None] * np.arange(_LOOKS) / _LOOKS).ravel()
         return np.concatenate(([begin], inner[(inner > begin) & (inner < end)], [end]))
 
 
@@ -114,7 +117,9 @@ class Response:
             raise InputError("times has 0 entries, at least 1 needed")
         end = pieces[-1].end
         for i in np.flatnonzero(~(np.isfinite(time) & (time <= end))):
-            raise InputError(f"times[{i}] = {float(time[i])!r} is not a time of the run, up to {end!r}")
+            raise InputError(
+                f"times[{i}] = {float(time[i])!r} is not a time of the run, up to {end!r}"
+            )
         for i in np.flatnonzero(np.diff(time) < 0.0):
             raise InputError(
                 f"times[{i + 1}] = {float(time[i + 1])!r} is less than {float(time[i])!r} before it"
@@ -126,12 +131,19 @@ class Response:
     def _rows(self) -> dict[str, Array]:
         """All that is computed from the coordinates, piece by piece."""
         gears, count = len(self.aircraft.gears), self.time.size
-        widths = {"cg": 3, "cg_rate": 3, "cg_acceleration": 3, "elevation": gears, "load": gears, "stiffness": gears}
+        widths = {
+            "cg": 3,
+            "cg_rate": 3,
+            "cg_acceleration": 3,
+            "elevation": gears,
+            "load": gears,
+            "stiffness": gears,
+        }
         rows = {name: np.empty((count, width)) for name, width in widths.items()}
         piece_of = np.searchsorted(self._begins, self.time, side="right") - 1
-        for number in np.unique(piece_of):
-            here = piece_of == number
-            piece, times = self._pieces[number], self.time[here]
+        for index in np.unique(piece_of):
+            here = piece_of == index
+            piece, times = self._pieces[index], self.time[here]
             y = piece.y(times)
             forces = self._motion.forces(piece.states, piece.stretch, times, y)
             rows["cg"][here] = y[:3].T
@@ -140,7 +152,9 @@ class Response:
             rows["elevation"][here] = piece.stretch.at(times).T
             # Where a gear leaves the runway rounding may leave less than nothing.
             rows["load"][here] = np.maximum(forces.load, 0.0).T
-            rows["stiffness"][here] = self._motion.stiffness(piece.states, piece.stretch, times, y).T
+            rows["stiffness"][here] = self._motion.stiffness(
+                piece.states, piece.stretch, times, y
+            ).T
         return {name: read_only(values) for name, values in rows.items()}
 
     @cached_property
@@ -206,7 +220,7 @@ class Response:
         return self.aircraft.static_load
 
     @property
-    def unloaded(self) -> np.typing.NDArray[np.bool_]:
+    def unloaded(self) -> NDArray[np.bool_]:
         """Whether each gear leaves the runway between the first and the last time, shape (g,)."""
         return self.extremes().min_load <= 0.0
 
@@ -278,7 +292,9 @@ class Response:
         for row in range(best.size):
             height, when[row] = max(
                 (
-                    self._closer(row, piece, times[max(i - 1, 0)], times[min(i + 1, times.size - 1)])
+                    self._closer(
+                        row, piece, times[max(i - 1, 0)], times[min(i + 1, times.size - 1)]
+                    )
                     for piece, times, values in seen
                     for i in _promising(values[row], best[row])
                 ),
@@ -294,7 +310,9 @@ class Response:
             time_of_max=read_only(when[:gears].copy()),
             min_load=read_only(0.0 - best[gears : 2 * gears]),
             time_of_min=read_only(when[gears : 2 * gears].copy()),
-            max_acceleration=dict(zip(stations, np.maximum(upward, downward).tolist(), strict=True)),
+            max_acceleration=dict(
+                zip(stations, np.maximum(upward, downward).tolist(), strict=True)
+            ),
             time_of_max_acceleration=dict(
                 zip(stations, when[2 * gears :][larger].tolist(), strict=True)
             ),
@@ -314,9 +332,7 @@ class Response:
         lag = max(arms) - arms[gear]
         return (begin + lag) / self._speed, (end + lag) / self._speed
 
-    def stiffness_between(
-        self, begin: float, end: float, step: float = 0.01
-    ) -> dict[str, Array]:
+    def stiffness_between(self, begin: float, end: float, step: float = 0.01) -> dict[str, Array]:
         """
         Sample each gear's tangent stiffness while that gear is on a stretch of the runway.
 
@@ -364,7 +380,9 @@ class Response:
                 )
             times = step * np.arange(np.ceil(first / step), np.floor(last / step) + 1.0)
             if not times.size:
-                raise InputError(f"step = {step!r}: no sample while gear {name!r} is on the stretch")
+                raise InputError(
+                    f"step = {step!r}: no sample while gear {name!r} is on the stretch"
+                )
             found[name] = self.at(times).stiffness[:, i]
         return found
 
@@ -423,7 +441,7 @@ class Response:
 
 
 def _promising(values: Array, best: float) -> list[int]:
-    """The highest sample, if it is here, and those next to which a peak may be higher."""
+    """Find the highest sample, if it is here, and those with perhaps a higher peak beside."""
     bend = np.zeros_like(values)
     bend[1:-1] = abs(np.diff(values, 2))
     bend[[0, -1]] = bend[[1, -2]] if values.size > 2 else 0.0

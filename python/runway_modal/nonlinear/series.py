@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._core import NumericalError
-from .springs import GasSpring
+from runway_modal._core import NumericalError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from .springs import Values
+    from .springs import GasSpring, Values
 
 #: A strut without a tire in series carries no more than its gas at this share of its column: no
 #: run gets there, but a trial step of the integration may try to get past the bottom.
@@ -155,9 +154,10 @@ class Series:
         return self._branches[piece - 1].load(compression + self._offsets[piece - 1])
 
     def compression(self, load: float) -> float:
-        """Compression at a load, from the one at the static load."""
-        piece = bisect(self._begin, load)
-        return self._branches[piece - 1].compression(load) - self._offsets[piece - 1]
+        """Compression at a load; where the load is less than the least, at that."""
+        load = max(load, self._begin[0])
+        piece = bisect(self._begin, load) - 1
+        return self._branches[piece].compression(load) - self._offsets[piece]
 
     def stiffness(self, piece: int, load: Values) -> Values:
         """Tangent stiffness of a piece at a load; 0 off the runway and on the stop."""

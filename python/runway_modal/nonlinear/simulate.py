@@ -6,23 +6,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._core import InputError, NumericalError
-from .._input import number
-from ..simulate import _by_gear
-from ..simulate import simulate as simulate_linear
+from runway_modal._core import InputError, NumericalError
+from runway_modal._input import number
+from runway_modal.simulate import _by_gear
+from runway_modal.simulate import simulate as simulate_linear
+
 from .aircraft import Aircraft
 from .ground import stretches
-from .motion import Motion, Sliding
+from .motion import Motion
 from .response import Piece, Response
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import ArrayLike
 
-    from ..profile import Profile
+    from runway_modal.profile import Profile
+
+    from .gears import State
     from .ground import Stretch
-    from .motion import Array, State
+    from .springs import Array
 
 #: Points of each step at which it is looked for a gear that changes state.
 _LOOKS = np.arange(1, 9) / 8.0
@@ -93,9 +96,9 @@ def simulate(
 
     >>> import runway_modal as rm
     >>> from runway_modal import nonlinear
-    >>> response = nonsimulate_linear(nonlinear.f4e(), rm.Profile.full_mat(), rm.knots(20))
+    >>> response = nonlinear.simulate(nonlinear.f4e(), rm.Profile.full_mat(), rm.knots(20))
     >>> response.extremes().max_load.round(-2)
-    array([13000., 39600., 39600.])
+    array([13700., 40400., 40400.])
     """
     if not isinstance(aircraft, Aircraft):
         raise InputError(f"aircraft = {aircraft!r} is not a nonlinear Aircraft")
@@ -110,7 +113,9 @@ def simulate(
     ground = stretches(profiles, [front - gear.x for gear in aircraft.gears], speed)
     motion = Motion(aircraft)
     run = _Integration(motion, ground, rtol, _scales(aircraft, motion, modes.omega.max()))
-    return Response(aircraft, motion, list(run.pieces(reference.time[-1])), float(speed), reference.time)
+    return Response(
+        aircraft, motion, list(run.pieces(reference.time[-1])), float(speed), reference.time
+    )
 
 
 def _scales(aircraft: Aircraft, motion: Motion, omega: float) -> Array:
@@ -120,7 +125,7 @@ def _scales(aircraft: Aircraft, motion: Motion, omega: float) -> Array:
     length = max(load / gear.stiffness for gear, load in zip(gears, loads, strict=True))
     radius = np.sqrt(np.diag(aircraft.linearised().mass_matrix) / aircraft.mass)
     radius[0] = 1.0
-    wheels = np.full((motion.size - 6) // 2, length)
+    wheels = np.full(motion.wheels, length)
     return np.concatenate((length / radius, omega * length / radius, wheels, omega * wheels))
 
 
@@ -135,7 +140,9 @@ class _Integration:
             raise ImportError(
                 "nonlinear.simulate needs scipy: pip install runway_modal[taxi]"
             ) from None
-        self._solver, self._root = DOP853, brentq
+        # The stepper itself and not `solve_ivp`, whose events are looked for at the ends of steps
+        # only: a short lift-off within one would go unseen.
+        self._stepper, self._root = DOP853, brentq
         self._motion = motion
         self._ground = ground
         self._rtol = _SAFETY * rtol
@@ -143,78 +150,78 @@ class _Integration:
 
     def pieces(self, end: float) -> Iterator[Piece]:
         """Smooth pieces of the run, without gaps."""
-        level, *rest = self._ground
+        level, *moving = self._ground
         states, y = self._motion.at_rest(level.elevation)
-        yield Piece(-np.inf, min([stretch.begin for stretch in rest[:1]], default=np.inf), level, states, [], [], y)
-        for stretch, until in zip(rest, [*(s.begin for s in rest[1:]), np.inf], strict=True):
+        breaks = [*(stretch.begin for stretch in moving), np.inf]
+        yield Piece(-np.inf, breaks[0], level, states, [], [], y)
+        for stretch, until in zip(moving, breaks[1:], strict=True):
             if stretch.begin >= end:
                 return
-            y = self._motion.blow(stretch, y)
+            y = self._motion.step(stretch, y)
             states = self._motion.settle(states, stretch, y)
-            time, last = stretch.begin, min(until, end)
-            at_once = 0
-            while time < last:
-                piece, y, change = self._smooth(states, stretch, time, last, y)
+            time, at_once = stretch.begin, 0
+            while time < min(until, end):
+                piece, y, change = self._smooth(states, stretch, time, min(until, end), y)
+                at_once = 0 if piece.end > time else at_once + 1
+                if at_once > _MOST_AT_ONCE:
+                    raise NumericalError(f"gears change state without end at the time {time!r}")
                 if piece.end > time:
                     yield piece
-                    at_once = 0
-                else:
-                    at_once += 1
-                    if at_once > _MOST_AT_ONCE:
-                        raise NumericalError(f"gears change state without end at the time {time!r}")
                 time = piece.end
                 if change is not None:
-                    gear, follows = change
-                    struck = isinstance(follows, Sliding) and follows.strut == 0 != states[gear].strut
-                    states = [*states[:gear], follows, *states[gear + 1 :]]
-                    if struck:
-                        y = self._motion.strike(states, y)
+                    states, y = self._motion.change(states, *change, y)
 
     def _smooth(
-        self, states: list[State], stretch: Stretch, begin: float, end: float, y: Array
+        self, states: Sequence[State], stretch: Stretch, begin: float, end: float, y: Array
     ) -> tuple[Piece, Array, tuple[int, State] | None]:
         """Integrate until a gear changes state, at most until the end."""
-        solver = self._solver(
+        stepper = self._stepper(
             lambda t, y: self._motion.derivative(states, stretch, t, y),
-            begin, y, end, rtol=self._rtol, atol=self._atol,
+            begin,
+            y,
+            end,
+            rtol=self._rtol,
+            atol=self._atol,
         )
-        knots, steps = [begin], []
-        first = y
-        while solver.status == "running":
-            message = solver.step()
-            if solver.status == "failed":
-                raise NumericalError(f"integration failed at the time {solver.t!r}: {message}")
-            dense = solver.dense_output()
-            change = self._first_change(states, stretch, dense, knots[-1], solver.t)
-            steps.append(dense)
-            if change is not None:
-                time, gear, follows = change
-                knots.append(time)
-                return Piece(begin, time, stretch, states, knots, steps, first), dense(time), (gear, follows)
-            knots.append(solver.t)
-        return Piece(begin, end, stretch, states, knots, steps, first), solver.y, None
+        knots, steps, change = [begin], [], None
+        while stepper.status == "running" and change is None:
+            message = stepper.step()
+            if stepper.status == "failed":
+                raise NumericalError(f"integration failed at the time {stepper.t!r}: {message}")
+            steps.append(stepper.dense_output())
+            time, change = self._first_change(states, stretch, steps[-1])
+            knots.append(time)
+        piece = Piece(begin, knots[-1], stretch, states, knots, steps, y)
+        return piece, stepper.y if change is None else steps[-1](piece.end), change
 
     def _first_change(
-        self, states: list[State], stretch: Stretch, dense: Any, begin: float, end: float
-    ) -> tuple[float, int, State] | None:
-        """The first change of state in a step: time, gear and what follows."""
-        looks = begin + (end - begin) * _LOOKS
-        switches = self._motion.switches(states, stretch, looks, dense(looks))
-        if not switches:
-            return None
-        crossed = np.array([value for value, _, _ in switches]) < 0.0
+        self, states: Sequence[State], stretch: Stretch, step: Any
+    ) -> tuple[float, tuple[int, State] | None]:
+        """Find the first change of state in a step, or its end and none."""
+
+        def switches(time: float | Array) -> list[tuple[Any, int, State]]:
+            return list(self._motion.switches(states, stretch, time, step(time)))
+
+        looks = step.t_old + (step.t - step.t_old) * _LOOKS
+        seen = switches(looks)
+        crossed = np.array([value for value, _, _ in seen]) < 0.0
         if not crossed.any():
-            return None
-        look = int(np.flatnonzero(crossed.any(axis=0))[0])
-        before = begin if look == 0 else float(looks[look - 1])
+            return float(step.t), None
+        look = int(crossed.any(axis=0).argmax())
+        before = float(looks[look - 1]) if look else float(step.t_old)
 
         def time_of(switch: int) -> float:
-            def value(time: float) -> float:
-                return float(self._motion.switches(states, stretch, time, dense(time))[switch][0])
-
-            if value(before) <= 0.0:
+            # It may be there from the start: the other one of two gears that meet a bump together.
+            if switches(before)[switch][0] <= 0.0:
                 return before
-            return float(self._root(value, before, looks[look], xtol=1e-300, rtol=1e-15))
+            found = self._root(
+                lambda time: switches(time)[switch][0],
+                before,
+                looks[look],
+                xtol=np.finfo(float).tiny,
+                rtol=4.0 * np.finfo(float).eps,
+            )
+            return float(found)
 
-        time, switch = min((time_of(i), i) for i in np.flatnonzero(crossed[:, look]).tolist())
-        return time, switches[switch][1], switches[switch][2]
+        time, first = min((time_of(i), i) for i in np.flatnonzero(crossed[:, look]).tolist())
+        return time, seen[first][1:]

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import InputError
-from .._input import finite, number
+from runway_modal._core import InputError
+from runway_modal._input import finite, number
+
+Array: TypeAlias = NDArray[np.float64]
 
 #: One value in the equations of motion, many when a run is read.
-Values = TypeVar("Values", float, NDArray[np.float64])
+Values = TypeVar("Values", float, Array)
 
 
 def positive(argument: str, value: float) -> float:
@@ -121,7 +123,7 @@ class GasSpring:
     @property
     def preload(self) -> float:
         """Load at which the chamber leaves its stop [force]."""
-        return self.load * (1.0 + self.extension / self.column) ** -self.polytropic
+        return float(self.load * (1.0 + self.extension / self.column) ** -self.polytropic)
 
     def force(self, compression: Values) -> Values:
         """
@@ -143,8 +145,8 @@ class GasSpring:
         >>> nonlinear.GasSpring(load=1000.0, column=8.0).force(-8.0)
         500.0
         """
-        gap: Values = self.column - compression
-        return self.load * (self.column / gap) ** self.polytropic
+        load: Values = self.load * (self.column / (self.column - compression)) ** self.polytropic
+        return load
 
     def compression(self, load: Values) -> Values:
         """
@@ -166,7 +168,8 @@ class GasSpring:
         >>> nonlinear.GasSpring(load=1000.0, column=8.0).compression(2000.0)
         4.0
         """
-        return self.column * (1.0 - (self.load / load) ** (1.0 / self.polytropic))
+        compression: Values = self.column * (1.0 - (self.load / load) ** (1.0 / self.polytropic))
+        return compression
 
     def stiffness(self, load: Values) -> Values:
         """
@@ -188,8 +191,8 @@ class GasSpring:
         >>> nonlinear.GasSpring(load=1000.0, column=8.0).stiffness(2000.0)
         500.0
         """
-        exponent = 1.0 / self.polytropic
-        return self.polytropic / self.column * load * (load / self.load) ** exponent
+        slope: Values = load * (load / self.load) ** (1.0 / self.polytropic)
+        return self.polytropic / self.column * slope
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from runway_modal import aircraft as linear
-from runway_modal._core import InputError, NumericalError
+from runway_modal._core import InputError
 from runway_modal._input import read_only
 
+from .equilibrium import equilibrium
 from .series import Series
 from .springs import GasSpring, LinearSpring, Orifice, not_negative, positive
 
@@ -18,9 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
-
-#: Rounds of sharing the weight among more gears than equilibrium determines.
-_ROUNDS = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +94,10 @@ class Gear:
         object.__setattr__(self, "x", checked.x)
         object.__setattr__(self, "y", checked.y)
 
+    @property
+    def _reference_load(self) -> float:
+        return self.strut[0].load if isinstance(self.strut, tuple) else 0.0
+
     def _law(self, load: float, *, strut: bool = True, tire: bool = True) -> Series:
         """Law of strut and tire in series, or of one of them, about a static load."""
         chambers: Sequence[GasSpring] = ()
@@ -148,7 +150,7 @@ class Aircraft:
         If a value is out of range, there is no gear, a gear name repeats, the gears cannot
         carry the weight or one would have to pull.
     NumericalError
-        If the weight's share of each of more gears than equilibrium determines is not found.
+        If the loads of more gears than equilibrium determines are not found.
 
     Examples
     --------
@@ -163,6 +165,7 @@ class Aircraft:
     gears: Sequence[Gear]
     gravity: float = linear.GRAVITY_IN
     stations: Mapping[str, tuple[float, float]] = field(default_factory=dict, hash=False)
+    _sprung_load: NDArray[np.float64] = field(init=False, repr=False, compare=False)
     _linear: linear.Aircraft = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -175,40 +178,46 @@ class Aircraft:
             if not isinstance(gear, Gear):
                 raise InputError(f"gears[{i}] = {gear!r} is not a nonlinear Gear")
         object.__setattr__(self, "gears", gears)
-        linearised = self._in_equilibrium()
+        # It checks the values, and knows the loads where equilibrium alone determines them.
+        checked = self._linear_with([gear.tire for gear in gears])
         for key in ("mass", "pitch_inertia", "roll_inertia", "gravity", "stations"):
-            object.__setattr__(self, key, getattr(linearised, key))
-        object.__setattr__(self, "_linear", linearised)
+            object.__setattr__(self, key, getattr(checked, key))
+        positive("gravity", self.gravity)
+        loads = self._share(checked)
+        for i, load in enumerate(loads.tolist()):
+            if not load > 0.0:
+                raise InputError(
+                    f"gears[{i}]: {gears[i].name!r} carries {load!r} at rest, "
+                    "and a gear does not pull"
+                )
+        slopes = [
+            gear._law(load).stiffness_at(load)
+            for gear, load in zip(gears, loads.tolist(), strict=True)
+        ]
+        object.__setattr__(self, "_sprung_load", loads)
+        object.__setattr__(self, "_linear", self._linear_with(slopes))
 
-    def _in_equilibrium(self) -> linear.Aircraft:
-        """Linear aircraft whose stiffnesses are the slopes at its own static loads."""
-        stiffness = [gear.tire for gear in self.gears]
-        for _ in range(_ROUNDS):
-            found = linear.Aircraft(
-                mass=self.mass,
-                pitch_inertia=self.pitch_inertia,
-                roll_inertia=self.roll_inertia,
-                gears=[
-                    linear.Gear(gear.name, gear.x, gear.y, k, gear.damping)
-                    for gear, k in zip(self.gears, stiffness, strict=True)
-                ],
-                gravity=self.gravity,
-                stations=self.stations,
-            )
-            for i, load in enumerate(found.static_load):
-                if not load > 0.0:
-                    raise InputError(
-                        f"gears[{i}]: {self.gears[i].name!r} carries {float(load)!r} at rest, "
-                        "and a gear does not pull"
-                    )
-            slopes = [
-                gear._law(load).stiffness_at(load)
-                for gear, load in zip(self.gears, found.static_load.tolist(), strict=True)
-            ]
-            if np.allclose(slopes, stiffness, rtol=1e-13, atol=0.0):
-                return found
-            stiffness = slopes
-        raise NumericalError(f"static loads not found in {_ROUNDS} rounds")
+    def _linear_with(self, stiffness: Sequence[float]) -> linear.Aircraft:
+        return linear.Aircraft(
+            mass=self.mass,
+            pitch_inertia=self.pitch_inertia,
+            roll_inertia=self.roll_inertia,
+            gears=[
+                linear.Gear(gear.name, gear.x, gear.y, k, gear.damping)
+                for gear, k in zip(self.gears, stiffness, strict=True)
+            ],
+            gravity=self.gravity,
+            stations=self.stations,
+        )
+
+    def _share(self, determinate: linear.Aircraft) -> NDArray[np.float64]:
+        """Share the weight among the struts at rest on the level."""
+        geometry = determinate.geometry
+        if np.linalg.matrix_rank(geometry) == len(self.gears):
+            return determinate.static_load
+        laws = [gear._law(gear._reference_load) for gear in self.gears]
+        weight = determinate.mass * determinate.gravity
+        return read_only(equilibrium(laws, geometry, np.zeros(len(laws)), weight)[1])
 
     @property
     def gear_names(self) -> tuple[str, ...]:
@@ -225,17 +234,19 @@ class Aircraft:
         """
         Load of each gear on a level runway at rest, unsprung mass included, shape (g,) [force].
 
-        Where more gears share the weight than equilibrium determines, in the ratio of their
-        slopes at the loads they get.
+        From equilibrium alone where the gears are determinate. With more gears, as the springs
+        share the weight: level when each strut carries its reference load, which is the first
+        chamber's `load` and no load if the strut is linear.
         """
         wheels = [gear.unsprung_mass * self.gravity for gear in self.gears]
-        return read_only(self._linear.static_load + np.array(wheels))
+        return read_only(self._sprung_load + np.array(wheels))
 
     def linearised(self) -> linear.Aircraft:
         """
         Linear aircraft with the slopes at static equilibrium, as Table 2 has them.
 
-        Dampers are kept; orifices, friction and unsprung masses are left out.
+        Dampers are kept; orifices, friction and unsprung masses are left out. With more gears
+        than equilibrium determines its static loads are those of linear springs.
 
         Returns
         -------

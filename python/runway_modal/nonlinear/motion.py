@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from runway_modal._core import InputError, NumericalError
+from runway_modal._core import InputError
 
+from .equilibrium import equilibrium
 from .gears import MasslessGear, SprungGear, State, Travel
 from .ground import Stretch
 
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
 
     from .aircraft import Aircraft
     from .springs import Array
-
-#: Rounds of Newton's method for the equilibrium on uneven first elevations.
-_ROUNDS = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +58,7 @@ class Motion:
         self.geometry = linear.geometry
         #: Accelerations of the body by loads on it, M⁻¹Gᵀ.
         self._spread = self.geometry.T / np.diag(linear.mass_matrix)[:, None]
-        self._strut_static = linear.static_load
+        self._strut_static = aircraft._sprung_load
         self._static = aircraft.static_load
         self._gears: list[MasslessGear | SprungGear] = [
             SprungGear(gear, load, aircraft.gravity)
@@ -101,7 +99,7 @@ class Motion:
         self, states: Sequence[State], stretch: Stretch, time: float | Array, y: Array
     ) -> Forces:
         """
-        Loads and accelerations.
+        Evaluate loads and accelerations.
 
         Parameters
         ----------
@@ -168,7 +166,7 @@ class Motion:
 
     def at_rest(self, elevation: Array) -> tuple[list[State], Array]:
         """
-        Equilibrium on given elevations: states of the gears, coordinates and rates.
+        Find the equilibrium on given elevations.
 
         Parameters
         ----------
@@ -193,19 +191,8 @@ class Motion:
             gear._law(load)
             for gear, load in zip(self._aircraft.gears, self._strut_static.tolist(), strict=True)
         ]
-        turn = self.geometry.T
-        q = np.linalg.lstsq(self.geometry, elevation)[0]
-        for _ in range(_ROUNDS):
-            travel = (elevation - self.geometry @ q).tolist()
-            placed = [(law, law.piece(s), s) for law, s in zip(laws, travel, strict=True)]
-            load = np.array([law.load(piece, s) for law, piece, s in placed])
-            excess = turn @ (load - self._strut_static)
-            if (abs(excess) <= 1e-14 * (abs(turn) @ self._strut_static)).all():
-                break
-            slope = np.array([law.stiffness(p, law.load(p, s)) for law, p, s in placed])
-            q += np.linalg.lstsq(turn * slope @ self.geometry, excess)[0]
-        else:
-            raise NumericalError(f"no equilibrium found on elevations {elevation.tolist()!r}")
+        weight = self._aircraft.mass * self._aircraft.gravity
+        q, load = equilibrium(laws, self.geometry, elevation, weight)
         y = np.zeros(6 + 2 * self.wheels)
         y[:3] = q
         for row, i in enumerate(self._wheels):

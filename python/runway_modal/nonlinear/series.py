@@ -86,9 +86,9 @@ class Branch:
         for _ in range(_ITERATIONS):
             excess: Values = self.compression(load) - compression
             better: Values = np.maximum(load - excess * self.stiffness(load), load / 8.0)
-            done = np.all(abs(better - load) <= 1e-9 * better)
+            far = np.any(abs(better - load) > 1e-9 * better)
             load = better
-            if done:
+            if not far:
                 # Convergence is quadratic: that step left an error of 1e-18.
                 return load
         raise NumericalError(f"load at the compression {compression!r} not found")

@@ -120,9 +120,8 @@ def simulate(
 
 def _scales(aircraft: Aircraft, motion: Motion, omega: float) -> Array:
     """Size of each coordinate and rate: the static deflection and its rate at a frequency."""
-    gears = aircraft.linearised().gears
-    loads = aircraft.linearised().static_load.tolist()
-    length = max(load / gear.stiffness for gear, load in zip(gears, loads, strict=True))
+    stiffness = np.array([gear.stiffness for gear in aircraft.linearised().gears])
+    length = float((aircraft.static_load / stiffness).max())
     radius = np.sqrt(np.diag(aircraft.linearised().mass_matrix) / aircraft.mass)
     radius[0] = 1.0
     wheels = np.full(motion.wheels, length)
@@ -185,7 +184,9 @@ class _Integration:
         )
         knots, steps, change = [begin], [], None
         while stepper.status == "running" and change is None:
-            message = stepper.step()
+            # A trial step may overflow, as v² does; it is then tried again, shorter.
+            with np.errstate(over="ignore", invalid="ignore"):
+                message = stepper.step()
             if stepper.status == "failed":
                 raise NumericalError(f"integration failed at the time {stepper.t!r}: {message}")
             steps.append(stepper.dense_output())

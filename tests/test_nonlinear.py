@@ -1,6 +1,7 @@
 """Runs of the nonlinear aircraft against the linear model, closed forms and laws of mechanics."""
 
 import math
+import pickle
 import sys
 from collections.abc import Callable
 
@@ -388,6 +389,26 @@ def test_strut_on_its_stop_moves_with_the_wheel() -> None:
     np.testing.assert_allclose(rate, fallen, rtol=1e-8)
 
 
+def test_held_struts_do_not_move_and_none_leaves_its_stop() -> None:
+    aircraft = gas(1.0, 6.0, unsprung_mass=0.6, friction=700.0, orifice=nonlinear.Orifice(3.0, 9.0))
+    response = nonlinear.simulate(aircraft, BUMP, FAST, duration=1.5)
+    motion, seen = response._motion, set()
+    for piece in response._pieces[1:]:
+        times = np.linspace(piece.begin, piece.end, 12)
+        travels = motion._travels(piece.stretch, times, piece.y(times))
+        for state, travel in zip(piece.states, travels, strict=True):
+            seen.add((state.piece, state.sense))
+            assert travel.compression.min() > -6.0 - 1e-9
+            if state.piece == 0:
+                np.testing.assert_allclose(travel.compression, -6.0, rtol=0, atol=1e-9)
+            if state.sense == 0:
+                np.testing.assert_allclose(travel.rate, 0.0, atol=1e-8)
+            else:
+                assert (state.sense * travel.rate > -1e-8).all()
+    # On the stop, stuck, compressing and extending: all of them happened.
+    assert seen == {(0, 0), (1, 0), (1, 1), (1, -1)}
+
+
 def test_two_stage_strut_stiffens() -> None:
     def run(*strut: nonlinear.GasSpring) -> nonlinear.Response:
         return nonlinear.simulate(
@@ -470,6 +491,13 @@ def test_results_are_read_only_and_the_callers_times_are_left_alone() -> None:
         assert not getattr(response, name).flags.writeable, name
     assert not response.acceleration["cg"].flags.writeable
     assert "gears nose, left, right" in repr(response)
+
+
+def test_pickles_by_values() -> None:
+    aircraft = gas(1.1, 6.0, unsprung_mass=0.6, friction=100.0)
+    again = pickle.loads(pickle.dumps(aircraft))
+    assert again == aircraft
+    np.testing.assert_array_equal(again.static_load, aircraft.static_load)
 
 
 def refused(expected: str, make: Callable[[], object]) -> None:

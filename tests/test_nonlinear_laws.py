@@ -173,11 +173,11 @@ def test_numbers_out_of_range(bad: object) -> None:
         "column": lambda: nonlinear.GasSpring(1.0, bad),
         "polytropic": lambda: nonlinear.GasSpring(1.0, 1.0, bad),
         "stiffness": lambda: nonlinear.GasSpring.from_stiffness(1.0, bad),
-        "rate": lambda: nonlinear.LinearSpring(bad),
         "tire": lambda: gear(good, tire=bad),
         "mass": lambda: aircraft(gear(good), mass=bad),
     }.items():
         refused(f"{name} = {shown}", make)
+    refused(f"stiffness = {shown}", lambda: nonlinear.LinearSpring(bad))
     if bad == 0.0:
         return
     for name, make in {

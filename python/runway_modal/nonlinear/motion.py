@@ -7,7 +7,7 @@ positive: y = {q, q̇, z, ż}, q the body's bounce, pitch and roll, z the wheels
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -222,20 +222,35 @@ class Motion:
     ) -> tuple[list[State], Array]:
         """Put a gear into another state: states of all, coordinates and rates after it."""
         changed = [*states[:gear], follows, *states[gear + 1 :]]
-        if gear in self._wheels and follows.piece == 0 < states[gear].piece:
-            y = self._strike(changed, y)
+        if gear not in self._wheels:
+            return changed, y
+        if follows.piece == 0 < states[gear].piece:
+            return self._strike(changed, y)
+        if 0 in (states[gear].sense, follows.sense):
+            # Nothing that rounding has left of the strut's rate may decide which way it goes.
+            y = y.copy()
+            y[self._rate_of(gear)] = self.geometry[gear] @ y[3:6]
         return changed, y
 
-    def _strike(self, states: Sequence[State], y: Array) -> Array:
-        """Coordinates and rates after a strut has run onto its stop, where it stays."""
+    def _strike(self, states: list[State], y: Array) -> tuple[list[State], Array]:
+        """After a strut has run onto its stop, where it stays: states, coordinates and rates."""
         held = [row for row, i in enumerate(self._wheels) if states[i].piece == 0]
         gears = [self._wheels[row] for row in held]
-        rates = [6 + self.wheels + row for row in held]
+        rates = [self._rate_of(gear) for gear in gears]
         blow = self._hold(held, y[rates] - self.geometry[gears] @ y[3:6])
         y = y.copy()
         y[3:6] += self._spread[:, gears] @ blow
         y[rates] -= blow / self._mass[held]
-        return y
+        for i in self._wheels:
+            rate = y[self._rate_of(i)] - self.geometry[i] @ y[3:6]
+            # No friction holds against a blow.
+            if states[i].sense == 0 < states[i].piece and rate != 0.0:
+                states[i] = replace(states[i], sense=1 if rate > 0.0 else -1)
+        return states, y
+
+    def _rate_of(self, gear: int) -> int:
+        """Index of a wheel's rate."""
+        return 6 + self.wheels + self._wheels.index(gear)
 
     def settle(self, states: Sequence[State], stretch: Stretch, y: Array) -> list[State]:
         """States in which no switch is negative, at the beginning of a stretch."""

@@ -102,7 +102,7 @@ def simulate(
     """
     if not isinstance(aircraft, Aircraft):
         raise InputError(f"aircraft = {aircraft!r} is not a nonlinear Aircraft")
-    rtol = number("rtol", rtol)
+    speed, rtol = number("speed", speed), number("rtol", rtol)
     if not 1e-11 <= rtol <= 1e-2:
         raise InputError(f"rtol = {rtol!r} is not between 1e-11 and 1e-2")
     modes = aircraft.linearised().modes(0.0)
@@ -113,9 +113,8 @@ def simulate(
     ground = stretches(profiles, [front - gear.x for gear in aircraft.gears], speed)
     motion = Motion(aircraft)
     run = _Integration(motion, ground, rtol, _scales(aircraft, motion, modes.omega.max()))
-    return Response(
-        aircraft, motion, list(run.pieces(reference.time[-1])), float(speed), reference.time
-    )
+    pieces = list(run.pieces(reference.time[-1]))
+    return Response(aircraft, motion, pieces, speed, reference.time)
 
 
 def _scales(aircraft: Aircraft, motion: Motion, omega: float) -> Array:

@@ -202,26 +202,26 @@ class LinearSpring:
 
     Parameters
     ----------
-    rate : float
+    stiffness : float
         Stiffness k, > 0 [force/length].
 
     Raises
     ------
     InputError
-        If `rate` is not positive and finite.
+        If `stiffness` is not positive and finite.
 
     Examples
     --------
     >>> from runway_modal import nonlinear
     >>> nonlinear.LinearSpring(27809.0)
-    LinearSpring(rate=27809.0)
+    LinearSpring(stiffness=27809.0)
     """
 
-    rate: float
+    stiffness: float
 
     def __post_init__(self) -> None:
         """Check the value."""
-        object.__setattr__(self, "rate", positive("rate", self.rate))
+        object.__setattr__(self, "stiffness", positive("stiffness", self.stiffness))
 
 
 @dataclass(frozen=True, slots=True)

@@ -143,6 +143,23 @@ def test_frequency_after_the_half_mat() -> None:
     assert hertz.mean() == pytest.approx(1.80, rel=0.015)
 
 
+def test_largest_and_smallest_loads_on_the_half_mat_stand_as_the_report_says() -> None:
+    """Main-gear loads of TAXI, one and three degrees of freedom (Section IV.5)."""
+    half = rm.Profile.half_mat()
+    one = rm.single_dof(mass=145.5, omega=2 * np.pi * 1.91, damping_ratio=0.01)
+    sdof = rm.simulate(one, half, SPEED).extremes()
+    three = rm.simulate(rm.f4e().modes(0.01), half, SPEED).extremes()
+    taxi = nonlinear.simulate(nonlinear.f4e(), half, SPEED).extremes()
+    # The one gear of the bounce model carries what the two mains would.
+    largest = np.array([sdof.max_load[0] / 2.0, taxi.max_load[1], three.max_load[1]])
+    smallest = np.array([sdof.min_load[0] / 2.0, taxi.min_load[1], three.min_load[1]])
+    # Found: 56.0, 48.7 and 48.0 kip; the report: larger than TAXI's, and smaller than both.
+    np.testing.assert_allclose(largest, [56.0e3, 48.7e3, 48.0e3], rtol=0, atol=50.0)
+    # Found: -0.5, 7.7 and -0.6 kip; the report: much smaller than TAXI's with unloading, and
+    # between the two: here as small as the one-degree-of-freedom model's.
+    np.testing.assert_allclose(smallest, [-0.5e3, 7.7e3, -0.6e3], rtol=0, atol=50.0)
+
+
 def test_polytropic_exponent_is_that_of_the_struts() -> None:
     for n in (1.0, 1.4):
         for gear in nonlinear.f4e(n).gears:

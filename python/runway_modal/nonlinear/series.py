@@ -61,32 +61,45 @@ class Branch:
         """Load at a sum of compressions."""
         if not self.chambers:
             return compression / self.compliance
+        first = self.chambers[0]
         if not self.compliance:
             compression = np.minimum(compression, self._limit)
             if len(self.chambers) == 1:
-                return self.chambers[0].force(compression)
-        elif len(self.chambers) == 1 and self.chambers[0].polytropic == 1.0:
-            return self._isothermal(self.chambers[0], compression)
-        return self._newton(compression)
+                return first.force(compression)
+            return self._newton(compression, first.load + 0.0 * compression)
+        guess = self._isothermal(compression)
+        if len(self.chambers) == 1 and first.polytropic == 1.0:
+            return guess
+        return self._newton(compression, guess)
 
-    def _isothermal(self, gas: GasSpring, compression: Values) -> Values:
-        """Root of κF² + (ℓ - D)F - ℓF₀ = 0, κ the compliance and D the compression."""
-        gap: Values = gas.column - compression
-        scale = gas.column * gas.load
+    def _isothermal(self, compression: Values) -> Values:
+        """
+        Load of the first chamber and the linear springs, exact for n = 1.
+
+        It is the root of κF² + (ℓ - D)F - ℓF₀ = 0, κ the compliance, D the compression and ℓ the
+        column; ℓ/n has the right slope at F₀ for any n.
+        """
+        gas = self.chambers[0]
+        column = gas.column / gas.polytropic
+        gap: Values = column - compression
+        scale = column * gas.load
         size: Values = abs(gap) + (gap * gap + 4.0 * self.compliance * scale) ** 0.5
         # Of the two forms of the root, the one that does not subtract.
         if isinstance(gap, float):
             return 2.0 * scale / size if gap > 0.0 else size / (2.0 * self.compliance)
         return np.where(gap > 0.0, 2.0 * scale / size, size / (2.0 * self.compliance))
 
-    def _newton(self, compression: Values) -> Values:
+    def _newton(self, compression: Values, load: Values) -> Values:
         # The compression is a concave function of the load, so from below the root Newton's
         # method climbs to it; from above it falls below at once, held where loads are positive.
-        load: Values = self.chambers[0].load + 0.0 * compression
         for _ in range(_ITERATIONS):
-            excess: Values = self.compression(load) - compression
-            better: Values = np.maximum(load - excess * self.stiffness(load), load / 8.0)
-            far = np.any(abs(better - load) > 1e-9 * better)
+            better: Values = load - (self.compression(load) - compression) * self.stiffness(load)
+            if isinstance(load, float):
+                better = max(better, load / 8.0)
+                far = abs(better - load) > 1e-9 * better
+            else:
+                better = np.maximum(better, load / 8.0)
+                far = (abs(better - load) > 1e-9 * better).any()
             load = better
             if not far:
                 # Convergence is quadratic: that step left an error of 1e-18.

@@ -1,0 +1,56 @@
+"""The full-mat comparison, and the page, as a command."""
+
+from __future__ import annotations
+
+import argparse
+
+from .comparison import lines
+from .page import write_page
+from .runs import full_mat
+from .tables import TABLE_3, TABLE_4
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """
+    Print the comparison and draw its figure, or write the page.
+
+    Parameters
+    ----------
+    arguments : list of str, optional
+        Command line. Default: that of the process.
+
+    Examples
+    --------
+    >>> from runway_modal import report1980
+    >>> report1980.main(["--figure", ""])  # doctest: +ELLIPSIS
+    F-4E over the full AM-2 mat at 20 kt, 1 % damping in every mode
+    ...
+    """
+    parser = argparse.ArgumentParser(
+        prog="python -m runway_modal.report1980",
+        description="The 1980 report's full-mat comparison, or all of it as a page.",
+    )
+    parser.add_argument(
+        "--figure", default="full_mat.png", help="where to draw (default %(default)s; '' for none)"
+    )
+    parser.add_argument(
+        "--out", metavar="DIR", help="write the page of all tables and figures there instead"
+    )
+    options = parser.parse_args(arguments)
+    if options.out is not None:
+        print(f"Page: {write_page(options.out)}")
+        return
+    responses = {table.stiffness: full_mat(table.stiffness) for table in (TABLE_3, TABLE_4)}
+    print("\n".join(lines(responses)))
+    if options.figure:
+        from runway_modal.plotting import loads_over_profile
+
+        loads_over_profile(
+            {
+                "Table 3 (static slope)": responses["static"],
+                "Table 4 (equivalent)": responses["equivalent"],
+            },
+            {"nose": "Nose gear", "left": "Main gear"},
+            "F-4E, full AM-2 mat, 20 kt: gear loads over the profile",
+        ).savefig(options.figure, dpi=110)
+        print(f"\nFigure: {options.figure}")

@@ -1,0 +1,145 @@
+"""The runs behind the report's figures; each is made once."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from runway_modal.aircraft import equivalent_stiffness, f4e, single_dof
+from runway_modal.profile import Profile
+from runway_modal.simulate import simulate
+from runway_modal.units import knots
+
+from .tables import DAMPING_RATIO, MAT_KNOTS, SPALL_KNOTS, TABLE_1, TABLE_3, TABLE_4
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from runway_modal import nonlinear
+    from runway_modal.response import Response
+
+    from .tables import Stiffness
+
+#: Speeds [in/s].
+MAT_SPEED, SPALL_SPEED = knots(MAT_KNOTS), knots(SPALL_KNOTS)
+
+#: From the nose gear back to the main gears, D_N + D_M [in].
+WHEELBASE = TABLE_1[4][1] + TABLE_1[5][1]
+
+HALF_MAT, FULL_MAT = Profile.half_mat(), Profile.full_mat()
+TWO_FOOT_SPALL, DOUBLE_SPALL = Profile.two_foot_spall(), Profile.double_spall()
+
+#: When models are compared [s]: until about 5 s after the full mat.
+TIMES = np.linspace(0.0, 8.0, 8001)
+
+#: Gears that enter the spall in Figures 14, 15 and 16, and again in 17, 18 and 19.
+SPALL_INPUTS = (("left",), ("nose", "left"), ("nose", "left", "right"))
+
+
+@cache
+def one_dof(stiffness: Stiffness, mat: Profile) -> Response:
+    """Bounce mode of Table 3 (1.91 Hz) or 4 (1.80 Hz), at rest until the mains meet the mat."""
+    omega = {"static": TABLE_3, "equivalent": TABLE_4}[stiffness].omega[1]
+    modes = single_dof(mass=TABLE_1[0][1], omega=omega, damping_ratio=DAMPING_RATIO)
+    return simulate(modes, mat.shifted(WHEELBASE), MAT_SPEED)
+
+
+@cache
+def three_dof(stiffness: Stiffness, mat: Profile) -> Response:
+    """Run every gear over a mat at 20 kt."""
+    return simulate(f4e(stiffness).modes(DAMPING_RATIO), mat, MAT_SPEED)
+
+
+@cache
+def spall(stiffness: Stiffness, profile: Profile, gears: tuple[str, ...]) -> Response:
+    """Run some gears through a spall at 10 kt, the others on the level."""
+    modes = f4e(stiffness).modes(DAMPING_RATIO)
+    return simulate(modes, dict.fromkeys(gears, profile), SPALL_SPEED)
+
+
+@cache
+def taxi(mat: Profile) -> nonlinear.Response:
+    """Run the nonlinear reference, which stands for TAXI, over a mat at 20 kt."""
+    from runway_modal import nonlinear
+
+    aircraft = nonlinear.f4e(damping_ratio=DAMPING_RATIO)
+    return nonlinear.simulate(aircraft, mat, MAT_SPEED, times=TIMES)
+
+
+def taxi_stiffness(gear: int) -> tuple[float, float, float]:
+    """
+    Smallest, largest and equivalent stiffness (Eq. 22) of a gear on the full mat [lbf/in].
+
+    Sampled as the report's program printed them: every 0.01 s.
+    """
+    run = taxi(FULL_MAT)
+    lag = 0.0 if gear == 0 else WHEELBASE
+    begin, end = np.searchsorted(TIMES, (FULL_MAT.x[[0, -1]] + lag) / MAT_SPEED)
+    stiffness = run.stiffness[begin:end:10, gear]
+    return float(stiffness.min()), float(stiffness.max()), equivalent_stiffness(stiffness)
+
+
+def full_mat(stiffness: Stiffness) -> Response:
+    """
+    Run the full mat at 20 knots (Figures 10 and 12).
+
+    Parameters
+    ----------
+    stiffness : {"static", "equivalent"}
+        As for `f4e`.
+
+    Returns
+    -------
+    Response
+        All three gears over the mat, 1 % damping in every mode.
+
+    Examples
+    --------
+    >>> from runway_modal import report1980
+    >>> report1980.full_mat("static").extremes().max_load.round(0)
+    array([12940., 43686., 43686.])
+    """
+    return three_dof(stiffness, FULL_MAT)
+
+
+def after_over_on(response: Response, profile: Profile) -> NDArray[np.float64]:
+    """
+    Range of each gear's load after the mat ÷ its range on the mat.
+
+    Above 1 the trailing edge amplified the motion, below 1 it cancelled it. "On" is from the end
+    of the up ramp to the beginning of the down ramp, for each gear; "after" from the last gear's
+    end of the mat on.
+
+    Parameters
+    ----------
+    response : Response
+        Run over the mat with every gear.
+    profile : Profile
+        The mat, four breakpoints.
+
+    Returns
+    -------
+    ndarray, shape (g,)
+        The ratio of true ranges [-].
+
+    Examples
+    --------
+    >>> import runway_modal as rm
+    >>> from runway_modal import report1980
+    >>> mat = report1980.full_mat("static")
+    >>> report1980.after_over_on(mat, rm.Profile.full_mat())[1].round(2)
+    np.float64(1.53)
+    """
+    arms = response.modes.aircraft.geometry[:, 1]
+    lag = arms.max() - arms
+    on = (profile.x[1:3, None] + lag) / MAT_SPEED
+    off = (profile.x[3] + lag.max()) / MAT_SPEED
+
+    def load_range(gear: int, begin: float, end: float) -> float:
+        extremes = response.at([begin, end]).extremes()
+        return float(extremes.max_load[gear] - extremes.min_load[gear])
+
+    end = float(response.time[-1])
+    return np.array([load_range(g, off, end) / load_range(g, *on[:, g]) for g in range(arms.size)])

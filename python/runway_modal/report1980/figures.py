@@ -109,7 +109,7 @@ def _loads(simulate: Callable[[], _Run], panels: Mapping[str, int]) -> Picture:
             axis.set_ylabel("load [kip]")
         _tracks(ground, run, panels)
         ground.set_xlim(run.time[0], run.time[-1])
-        ground.set_xlabel("time [s], from when the nose gear meets the profile's start")
+        ground.set_xlabel("time [s]; 0 when the nose gear is at the profile's start")
 
     described = "; ".join(
         f"{title.lower()} between {run.load[:, column].min() / 1e3:.1f} and "
@@ -125,8 +125,9 @@ _APPROACH = 0.25
 
 
 def _with_approach(run: _Run) -> _Run:
-    """Begin the same run a little earlier."""
-    return run.at(np.concatenate(([-_APPROACH, np.nextafter(0.0, -1.0)], run.time)))
+    """Sample the same run from a little earlier on, finely enough for a smooth line."""
+    fine = np.linspace(-_APPROACH, run.time[-1], 1500)
+    return run.at(np.union1d(np.append(fine, np.nextafter(0.0, -1.0)), run.time))
 
 
 def _beside(axis: Any, height: float, text: str) -> None:

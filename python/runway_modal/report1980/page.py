@@ -168,7 +168,12 @@ def _inputs() -> Iterator[str]:
         f"public source, named; {_tag('inferred', 'inferred')} deduced here, not data.</p>"
     )
     rows = (
-        _row(escape(each.what), escape(each.value), _tag(each.origin, each.origin), each.source)
+        _row(
+            _typeset(each.what),
+            _typeset(each.value),
+            _tag(each.origin, each.origin),
+            _typeset(each.source),
+        )
         for each in INPUTS
     )
     yield from _table(("Input", "Value", "Origin", "Source"), rows)
@@ -260,7 +265,7 @@ def _velocity() -> Iterator[str]:
     yield '<section id="velocity">\n<h2>Leaving out the velocity terms</h2>'
     yield (
         "<p>Section III.4 drops 2ζω u̇<sub>M</sub> from the bounce model's excitation (Eq. 15) and "
-        "2ζωM (u̇<sub>M</sub> − u̇) from its load (Eq. 16), the latter as an estimate on the safe "
+        "2ζωM (u̇<sub>M</sub> − u̇) from its load (Eq. 16), the latter as an estimate on the safe "
         "side. The change of the largest load shows what that does: below zero is unsafe. At a "
         "sharp edge the damper's load is infinite for no time; that blow moves the mass but is not "
         "counted.</p>"
@@ -308,7 +313,7 @@ def _figure(figure: Figure, judged: Judged) -> Iterator[str]:
     yield f'<figure id="figure-{figure.number}">'
     yield (
         f"<figcaption><b>Figure {figure.number}. {escape(figure.caption)}</b>"
-        f'<p class="note">{escape(figure.note)}</p></figcaption>'
+        f'<p class="note">{_typeset(figure.note)}</p></figcaption>'
     )
     yield f'<img alt="{escape(picture.alt)}" src="data:image/svg+xml;base64,{data}">'
     about = [each for each in judged if figure.number in each[0].figures]
@@ -331,9 +336,10 @@ def _verdict(finding: Finding) -> str:
 
 
 def _typeset(text: str) -> str:
-    """Escape; set subscripts (D_N), powers of ten (3e-16) and minus signs."""
+    """Escape; set subscripts (D_N), powers of ten (3e-16), minus signs; keep units by numbers."""
     text = re.sub(r"_(\w+)", r"<sub>\1</sub>", escape(text))
     text = re.sub(r"(\d)e([+-])0?(\d+)", r"\1 × 10<sup>\2\3</sup>", text)
+    text = re.sub(r"(?<=\d) (?=%|kip|Hz|in\b|s\b|ms\b|lbf)", "\u00a0", text)
     return re.sub(r"(?<![\w-])-(?=\d)|(?<=<sup>)-", "−", text).replace("<sup>+", "<sup>")
 
 
@@ -349,9 +355,9 @@ def _row(*cells: str) -> str:
 def _table(heads: Iterable[str], rows: Iterable[str], kind: str = "") -> Iterator[str]:
     """Heads that begin with > stand over numbers."""
     cells = "".join(
-        f'<th scope="col" class="n">{escape(head[1:])}</th>'
+        f'<th scope="col" class="n">{_typeset(head[1:])}</th>'
         if head.startswith(">")
-        else f'<th scope="col">{escape(head)}</th>'
+        else f'<th scope="col">{_typeset(head)}</th>'
         for head in heads
     )
     yield f'<div class="wide"><table class="{kind}"><thead><tr>{cells}</tr></thead><tbody>'

@@ -76,7 +76,11 @@ def after(mat: Profile) -> NDArray[np.bool_]:
 
 def trailing_edge(model: Model, mat: Profile) -> float:
     """Range of the main gear load after the mat ÷ on it: > 1 amplified, < 1 cancelled."""
-    load = main(model, mat)
+    return after_over_on(main(model, mat), mat)
+
+
+def after_over_on(load: Array, mat: Profile) -> float:
+    """Range of a main gear load after the mat ÷ on it."""
     return float(np.ptp(load[after(mat)]) / np.ptp(load[on(mat)]))
 
 

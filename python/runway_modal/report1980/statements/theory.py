@@ -140,7 +140,7 @@ def _time_is_distance_times_speed() -> Finding:
     product, quotient = distance * runs.MAT_SPEED, distance / runs.MAT_SPEED
     return Finding(
         abs(product - 3.0) < 0.05,
-        "For the mains at the mat's end the product is {product:.0f} in²/s, the quotient "
+        "For the mains at the mat's end the product is {product:,.0f} in²/s, the quotient "
         "{quotient:.3f} s; the report's own figure shows them there at 3 s.",
         product=product,
         quotient=quotient,

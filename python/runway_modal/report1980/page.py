@@ -117,7 +117,7 @@ def _head(judged: Judged) -> Iterator[str]:
     yield (
         f"<p>Of {len(judged)} statements of the report that can be put to a number, "
         f"<strong>{count[True]} hold</strong>, <strong>{count[False]} do not</strong> and "
-        f"{count[None]} cannot be tested here. Every verdict is computed when this page is "
+        f"{count[None]} cannot be tested. Every verdict is computed when this page is "
         "written. The report's figures are lost: those below are drawn from its text. A dimension "
         f"that had to be guessed is marked {_tag('inferred', 'inferred')}, and so is every verdict "
         "that rests on it.</p>"

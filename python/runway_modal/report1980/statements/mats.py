@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,23 +15,27 @@ from runway_modal.units import knots
 
 from .measures import (
     after,
-    after_over_on,
     difference,
     frequency,
+    largest_and_smallest,
     main,
-    main_kip,
     minima,
     nose,
     on,
+    rises,
+    run,
     trailing_edge,
 )
 from .statement import Finding, Statements
+
+if TYPE_CHECKING:
+    from .measures import Model, Run
 
 MATS = Statements()
 
 _HALF = "length and sharp edges of the half mat"
 _FULL = "ramps of the full mat"
-_TAXI = "nonlinear reference in the place of TAXI"
+_TAXI = "reference for TAXI"
 _SHARED = "bounce model's load shared by two main gears"
 
 #: "Similar" and "very similar": root mean square of the difference ÷ that of the dynamic load.
@@ -67,12 +72,19 @@ def _taxi_damping_after_half_mat() -> Finding:
     )
 
 
+def _half_mat(*models: Model) -> list[Run]:
+    return [run(model, runs.HALF_MAT) for model in models]
+
+
+def _full_mat(*models: Model) -> list[Run]:
+    return [run(model, runs.FULL_MAT) for model in models]
+
+
 def _free_vibration() -> tuple[float, float]:
     """Frequency [Hz] and damping ratio of the main gears' load after the half mat."""
     free = after(runs.HALF_MAT)
-    load = main("taxi", runs.HALF_MAT)[free]
-    rises = np.flatnonzero((load[:-1] < 1.0) & (load[1:] >= 1.0))
-    peaks = np.array([load[a:b].max() - 1.0 for a, b in pairwise(rises)])
+    load = main(run("taxi", runs.HALF_MAT))[free]
+    peaks = np.array([load[a:b].max() - 1.0 for a, b in pairwise(rises(load))])
     decrement = -np.polyfit(np.arange(peaks.size), np.log(peaks), 1)[0]
     ratio = float(decrement / np.hypot(2 * np.pi, decrement))
     return frequency(load, runs.TIMES[free]), ratio
@@ -85,8 +97,9 @@ def _free_vibration() -> tuple[float, float]:
     rests_on=f"{_HALF}; {_SHARED}; {_TAXI}",
 )
 def _half_mat_sdof_maximum() -> Finding:
-    sdof, taxi = (main_kip(m, runs.HALF_MAT).max() for m in ("sdof 1.91", "taxi"))
-    sdof_static, taxi_static = (main(m, runs.HALF_MAT).max() for m in ("sdof 1.91", "taxi"))
+    models = _half_mat("sdof 1.91", "taxi")
+    sdof, taxi = (largest_and_smallest(each)[0] for each in models)
+    sdof_static, taxi_static = (main(each).max() for each in models)
     return Finding(
         1.0 < sdof / taxi < 1.25,
         "{sdof:.1f} against {taxi:.1f} kip a main gear (asked: larger by less than a quarter); "
@@ -105,7 +118,7 @@ def _half_mat_sdof_maximum() -> Finding:
     rests_on=f"{_HALF}; {_SHARED}; {_TAXI}",
 )
 def _half_mat_sdof_minimum() -> Finding:
-    sdof, taxi = (main_kip(m, runs.HALF_MAT).min() for m in ("sdof 1.91", "taxi"))
+    sdof, taxi = (largest_and_smallest(each)[1] for each in _half_mat("sdof 1.91", "taxi"))
     return Finding(
         sdof < 0.5 * taxi,
         "Smallest {sdof:.1f} against {taxi:.1f} kip a main gear (asked: less than half).",
@@ -123,9 +136,9 @@ def _half_mat_sdof_minimum() -> Finding:
 def _half_mat_unloads_at_the_fourth_minimum() -> Finding:
     # The mat's trailing edge is a vertical drop: its far side must be among the samples.
     edge = (runs.HALF_MAT.x[-1] + runs.WHEELBASE) / runs.MAT_SPEED
-    run = runs.one_dof("static", runs.HALF_MAT)
+    bounce = runs.one_dof("static", runs.HALF_MAT)
     times = np.union1d(runs.TIMES, [edge, edge + 1e-9])
-    first, second, third, fourth = minima(run.at(times).load[:, 0])[:4] / 1e3
+    first, second, third, fourth = minima(bounce.at(times).load[:, 0])[:4] / 1e3
     return Finding(
         min(first, second, third) > 0 >= fourth,
         "First four minima of the whole aircraft's load: {first:.1f}, {second:.1f}, {third:.1f} "
@@ -145,7 +158,8 @@ def _half_mat_unloads_at_the_fourth_minimum() -> Finding:
     rests_on=f"{_HALF}; {_SHARED}; {_TAXI}",
 )
 def _half_mat_3dof_maximum() -> Finding:
-    three, sdof, taxi = (main_kip(m, runs.HALF_MAT).max() for m in ("3dof 3", "sdof 1.91", "taxi"))
+    models = _half_mat("3dof 3", "sdof 1.91", "taxi")
+    three, sdof, taxi = (largest_and_smallest(each)[0] for each in models)
     return Finding(
         0.75 * max(sdof, taxi) < three < min(sdof, taxi),
         "{three:.1f} against {taxi:.1f} (TAXI) and {sdof:.1f} kip (bounce model) a main gear "
@@ -163,7 +177,8 @@ def _half_mat_3dof_maximum() -> Finding:
     rests_on=f"{_HALF}; {_SHARED}; {_TAXI}",
 )
 def _half_mat_3dof_minimum() -> Finding:
-    three, sdof, taxi = (main_kip(m, runs.HALF_MAT).min() for m in ("3dof 3", "sdof 1.91", "taxi"))
+    models = _half_mat("3dof 3", "sdof 1.91", "taxi")
+    three, sdof, taxi = (largest_and_smallest(each)[1] for each in models)
     return Finding(
         min(sdof, taxi) < three < max(sdof, taxi),
         "{three:.2f} kip a main gear; TAXI {taxi:.2f}, bounce model {sdof:.2f} kip.",
@@ -180,7 +195,7 @@ def _half_mat_3dof_minimum() -> Finding:
     rests_on=f"{_HALF}; {_TAXI}",
 )
 def _half_mat_nose() -> Finding:
-    return _similar(nose("3dof 3", runs.HALF_MAT), nose("taxi", runs.HALF_MAT), _SIMILAR)
+    return _similar(nose(run("3dof 3", runs.HALF_MAT)), nose(run("taxi", runs.HALF_MAT)), _SIMILAR)
 
 
 def _similar(one: np.ndarray, other: np.ndarray, asked: float) -> Finding:
@@ -246,7 +261,7 @@ def _amplified(ratio: float) -> Finding:
     rests_on=f"{_FULL}; {_TAXI}",
 )
 def _full_mat_taxi_cancels() -> Finding:
-    return _cancelled(trailing_edge("taxi", runs.FULL_MAT))
+    return _cancelled(trailing_edge(run("taxi", runs.FULL_MAT), runs.FULL_MAT))
 
 
 @MATS.add(
@@ -256,7 +271,7 @@ def _full_mat_taxi_cancels() -> Finding:
     rests_on=f"{_HALF}, {_FULL}; {_TAXI}",
 )
 def _taxi_reinforces_or_cancels() -> Finding:
-    half, full = (trailing_edge("taxi", mat) for mat in (runs.HALF_MAT, runs.FULL_MAT))
+    half, full = (trailing_edge(run("taxi", mat), mat) for mat in (runs.HALF_MAT, runs.FULL_MAT))
     return Finding(
         (half - 1) * (full - 1) < 0,
         "Main gear load range after the mat ÷ on it: half mat {half:.2f}, full mat {full:.2f}.",
@@ -274,7 +289,7 @@ def _taxi_reinforces_or_cancels() -> Finding:
 def _full_mat_sdof_begins_like_taxi() -> Finding:
     begin = runs.WHEELBASE / runs.MAT_SPEED
     first, last = np.searchsorted(runs.TIMES, (begin, begin + 1 / 1.91))
-    sdof, taxi = (main(m, runs.FULL_MAT)[first:last] for m in ("sdof 1.91", "taxi"))
+    sdof, taxi = (main(each)[first:last] for each in _full_mat("sdof 1.91", "taxi"))
     return _similar(sdof, taxi, _SIMILAR)
 
 
@@ -285,7 +300,7 @@ def _full_mat_sdof_begins_like_taxi() -> Finding:
     rests_on=_FULL,
 )
 def _full_mat_sdof_amplifies() -> Finding:
-    return _amplified(trailing_edge("sdof 1.91", runs.FULL_MAT))
+    return _amplified(trailing_edge(run("sdof 1.91", runs.FULL_MAT), runs.FULL_MAT))
 
 
 @MATS.add(
@@ -295,7 +310,7 @@ def _full_mat_sdof_amplifies() -> Finding:
     rests_on=_FULL,
 )
 def _full_mat_3dof_amplifies() -> Finding:
-    return _amplified(trailing_edge("3dof 3", runs.FULL_MAT))
+    return _amplified(trailing_edge(run("3dof 3", runs.FULL_MAT), runs.FULL_MAT))
 
 
 @MATS.add(
@@ -305,7 +320,9 @@ def _full_mat_3dof_amplifies() -> Finding:
     rests_on=_FULL,
 )
 def _full_mat_3dof_is_like_sdof() -> Finding:
-    return _similar(main("3dof 3", runs.FULL_MAT), main("sdof 1.91", runs.FULL_MAT), _VERY_SIMILAR)
+    return _similar(
+        main(run("3dof 3", runs.FULL_MAT)), main(run("sdof 1.91", runs.FULL_MAT)), _VERY_SIMILAR
+    )
 
 
 @MATS.add(
@@ -315,7 +332,9 @@ def _full_mat_3dof_is_like_sdof() -> Finding:
     rests_on=f"{_FULL}; {_TAXI}",
 )
 def _full_mat_nose() -> Finding:
-    return _similar(nose("3dof 3", runs.FULL_MAT), nose("taxi", runs.FULL_MAT), _VERY_SIMILAR)
+    return _similar(
+        nose(run("3dof 3", runs.FULL_MAT)), nose(run("taxi", runs.FULL_MAT)), _VERY_SIMILAR
+    )
 
 
 @MATS.add(
@@ -326,9 +345,11 @@ def _full_mat_nose() -> Finding:
     rests_on=f"{_FULL}; {_TAXI}",
 )
 def _the_period_decides() -> Finding:
-    table_3, table_4, taxi = (trailing_edge(m, runs.FULL_MAT) for m in ("3dof 3", "3dof 4", "taxi"))
+    table_3, table_4, taxi = (
+        trailing_edge(each, runs.FULL_MAT) for each in _full_mat("3dof 3", "3dof 4", "taxi")
+    )
     hertz, tuned = _tuned()
-    ratio = after_over_on(tuned, runs.FULL_MAT)
+    ratio = trailing_edge(tuned, runs.FULL_MAT)
     return Finding(
         abs(ratio - taxi) < 0.5 * min(abs(table_3 - taxi), abs(table_4 - taxi)),
         "Range after ÷ on the full mat: the reference, which goes at {hertz:.2f} Hz there, "
@@ -343,15 +364,15 @@ def _the_period_decides() -> Finding:
     )
 
 
-def _tuned() -> tuple[float, np.ndarray]:
-    """Frequency of the reference on the full mat [Hz]; main gear load of a linear model of it."""
+def _tuned() -> tuple[float, Run]:
+    """Find the reference's frequency on the full mat [Hz] and run a linear model of it."""
     level = on(runs.FULL_MAT)
-    hertz = frequency(main("taxi", runs.FULL_MAT)[level], runs.TIMES[level])
+    hertz = frequency(main(run("taxi", runs.FULL_MAT))[level], runs.TIMES[level])
     aircraft = f4e("static")
     factor = (hertz / aircraft.modes(DAMPING_RATIO).frequency_hz[1]) ** 2
     scaled = aircraft.with_stiffness({g.name: factor * g.stiffness for g in aircraft.gears})
-    run = simulate(scaled.modes(DAMPING_RATIO), runs.FULL_MAT, runs.MAT_SPEED, times=runs.TIMES)
-    return hertz, np.asarray(run.load[:, 1] / run.static_load[1])
+    modes = scaled.modes(DAMPING_RATIO)
+    return hertz, simulate(modes, runs.FULL_MAT, runs.MAT_SPEED, times=runs.TIMES)
 
 
 def _stiffness(row: int, column: int) -> Finding:
@@ -448,7 +469,7 @@ def _equivalent_stiffness_gives_the_period() -> Finding:
     rests_on=_FULL,
 )
 def _full_mat_sdof_cancels() -> Finding:
-    return _cancelled(trailing_edge("sdof 1.80", runs.FULL_MAT))
+    return _cancelled(trailing_edge(run("sdof 1.80", runs.FULL_MAT), runs.FULL_MAT))
 
 
 @MATS.add(
@@ -458,7 +479,7 @@ def _full_mat_sdof_cancels() -> Finding:
     rests_on=_FULL,
 )
 def _full_mat_3dof_cancels() -> Finding:
-    return _cancelled(trailing_edge("3dof 4", runs.FULL_MAT))
+    return _cancelled(trailing_edge(run("3dof 4", runs.FULL_MAT), runs.FULL_MAT))
 
 
 @MATS.add(
@@ -468,10 +489,10 @@ def _full_mat_3dof_cancels() -> Finding:
     rests_on=f"{_FULL}; {_TAXI}",
 )
 def _revised_models_agree_better() -> Finding:
-    taxi = main("taxi", runs.FULL_MAT)
+    taxi = main(run("taxi", runs.FULL_MAT))
     sdof, revised_sdof, three, revised_three = (
-        100 * difference(main(m, runs.FULL_MAT), taxi)
-        for m in ("sdof 1.91", "sdof 1.80", "3dof 3", "3dof 4")
+        100 * difference(main(each), taxi)
+        for each in _full_mat("sdof 1.91", "sdof 1.80", "3dof 3", "3dof 4")
     )
     return Finding(
         revised_sdof < 0.5 * sdof and revised_three < 0.5 * three,
@@ -492,8 +513,9 @@ def _revised_models_agree_better() -> Finding:
     rests_on=f"{_FULL}; {_TAXI}",
 )
 def _linear_models_reproduce_the_nonlinear() -> Finding:
-    taxi, table_4 = (main(m, runs.FULL_MAT) for m in ("taxi", "3dof 4"))
-    hertz, tuned = _tuned()
+    taxi, table_4 = (main(each) for each in _full_mat("taxi", "3dof 4"))
+    hertz, response = _tuned()
+    tuned = main(response)
     share = difference(tuned, taxi)
     return Finding(
         share < _SIMILAR,

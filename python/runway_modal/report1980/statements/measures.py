@@ -2,99 +2,131 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol, Self
 
 import numpy as np
 
 from runway_modal.report1980 import runs
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from runway_modal.profile import Profile
+    from runway_modal.response import Extremes
 
     Array = NDArray[np.float64]
 
-
-class _Sampled(Protocol):
-    """What linear and nonlinear responses have in common."""
-
-    @property
-    def load(self) -> Array: ...
-
-    @property
-    def static_load(self) -> Array: ...
-
-
 #: Models by name: the bounce model with Table 3's and Table 4's frequency, the three-degree-of-
-#: freedom model with their stiffnesses, and the nonlinear reference in the place of TAXI.
+#: freedom model with their stiffnesses, and the nonlinear reference, which stands for TAXI.
 Model = Literal["sdof 1.91", "sdof 1.80", "3dof 3", "3dof 4", "taxi"]
 
 
-def _run(model: Model, mat: Profile) -> _Sampled:
+class Run(Protocol):
+    """What linear and nonlinear responses have in common."""
+
+    @property
+    def load(self) -> Array:
+        """Compression loads, shape (n, g)."""
+
+    @property
+    def static_load(self) -> Array:
+        """Static loads, shape (g,)."""
+
+    def at(self, times: Sequence[float]) -> Self:
+        """Evaluate the run at other times."""
+
+    def extremes(self) -> Extremes:
+        """Find the true extremes between the first time and the last."""
+
+
+def run(model: Model, mat: Profile) -> Run:
+    """Run a model over a mat, sampled at `runs.TIMES`."""
     if model == "taxi":
         return runs.taxi(mat)
     simulate = runs.one_dof if model.startswith("sdof") else runs.three_dof
-    return simulate("static" if model in ("sdof 1.91", "3dof 3") else "equivalent", mat).at(
-        runs.TIMES
+    stiffness: Literal["static", "equivalent"] = (
+        "static" if model in ("sdof 1.91", "3dof 3") else "equivalent"
     )
+    return simulate(stiffness, mat).at(runs.TIMES)
 
 
-def main(model: Model, mat: Profile) -> Array:
+def _main_column(response: Run) -> int:
+    """Find the bounce model's only gear; else the left one, which loads as the right does."""
+    return min(1, response.static_load.size - 1)
+
+
+def main(response: Run) -> Array:
     """
-    Take the main gear load over its static load, sampled at `runs.TIMES`.
+    Take the main gear load over its static load.
 
     The bounce model carries the whole weight on one gear; over static load all are alike.
     """
-    run = _run(model, mat)
-    column = 0 if model.startswith("sdof") else 1
-    return np.asarray(run.load[:, column] / run.static_load[column])
+    column = _main_column(response)
+    return np.asarray(response.load[:, column] / response.static_load[column])
 
 
-def main_kip(model: Model, mat: Profile) -> Array:
-    """Load of one main gear [kip]: of the bounce model's, which is the whole aircraft's, half."""
-    run = _run(model, mat)
-    return np.asarray(run.load[:, 0] / 2e3 if model.startswith("sdof") else run.load[:, 1] / 1e3)
+def nose(response: Run) -> Array:
+    """Take the nose gear load over its static load."""
+    return np.asarray(response.load[:, 0] / response.static_load[0])
 
 
-def nose(model: Model, mat: Profile) -> Array:
-    """Take the nose gear load over its static load, sampled at `runs.TIMES`."""
-    run = _run(model, mat)
-    return np.asarray(run.load[:, 0] / run.static_load[0])
+def largest_and_smallest(response: Run) -> tuple[float, float]:
+    """Find true extremes of one main gear's load [kip]; of the bounce model's half, as of two."""
+    column = _main_column(response)
+    found = response.extremes()
+    gears = 2.0 if response.static_load.size == 1 else 1.0
+    return (
+        float(found.max_load[column]) / gears / 1e3,
+        float(found.min_load[column]) / gears / 1e3,
+    )
 
 
-def on(mat: Profile) -> NDArray[np.bool_]:
-    """When the mains are on the mat's level."""
+#: Off a mat's edge [s]: there loads jump where a damper is pushed, which is not vibration.
+_ASIDE = 1e-6
+
+
+def trailing_edge(response: Run, mat: Profile) -> float:
+    """Divide the true range of main gear load after the mat by that on it; > 1: amplified."""
+    column = _main_column(response)
+    begin, end, off = (mat.x[1:4] + runs.WHEELBASE) / runs.MAT_SPEED
+
+    def span(first: float, last: float) -> float:
+        found = response.at([first + _ASIDE, last - _ASIDE]).extremes()
+        return float(found.max_load[column] - found.min_load[column])
+
+    return span(off, float(runs.TIMES[-1])) / span(begin, end)
+
+
+def on(mat: Profile) -> slice:
+    """Select samples while the mains are on the mat's level."""
     begin, end = (mat.x[1:3] + runs.WHEELBASE) / runs.MAT_SPEED
-    return np.asarray((begin <= runs.TIMES) & (end > runs.TIMES))
+    return slice(*np.searchsorted(runs.TIMES, (begin, end)))
 
 
-def after(mat: Profile) -> NDArray[np.bool_]:
-    """When the mains have left the mat."""
-    return np.asarray((mat.x[-1] + runs.WHEELBASE) / runs.MAT_SPEED <= runs.TIMES)
-
-
-def trailing_edge(model: Model, mat: Profile) -> float:
-    """Range of the main gear load after the mat ÷ on it: > 1 amplified, < 1 cancelled."""
-    return after_over_on(main(model, mat), mat)
-
-
-def after_over_on(load: Array, mat: Profile) -> float:
-    """Range of a main gear load after the mat ÷ on it."""
-    return float(np.ptp(load[after(mat)]) / np.ptp(load[on(mat)]))
+def after(mat: Profile) -> slice:
+    """Select samples since the mains left the mat."""
+    off = (mat.x[-1] + runs.WHEELBASE) / runs.MAT_SPEED
+    return slice(int(np.searchsorted(runs.TIMES, off)), None)
 
 
 def difference(one: Array, other: Array) -> float:
-    """Root mean square of the difference ÷ that of `other`'s dynamic part."""
+    """Divide the root mean square of a difference by that of `other`'s dynamic part."""
     return float(np.sqrt(np.mean((one - other) ** 2) / np.mean((other - 1.0) ** 2)))
 
 
+def rises(load: Array) -> NDArray[np.intp]:
+    """Find the samples after which a load over its static load rises through 1, one a cycle."""
+    return np.flatnonzero((load[:-1] < 1.0) & (load[1:] >= 1.0))
+
+
 def frequency(load: Array, time: Array) -> float:
-    """Mean frequency of a load over its static load, from its rises through static [Hz]."""
-    below = np.flatnonzero((load[:-1] < 1.0) & (load[1:] >= 1.0))
-    share = (1.0 - load[below]) / (load[below + 1] - load[below])
-    rises = time[below] + share * (time[below + 1] - time[below])
-    return float((rises.size - 1) / (rises[-1] - rises[0]))
+    """Mean frequency of a load over its static load [Hz]."""
+    before = rises(load)
+    share = (1.0 - load[before]) / (load[before + 1] - load[before])
+    through = time[before] + share * (time[before + 1] - time[before])
+    return float((through.size - 1) / (through[-1] - through[0]))
 
 
 def minima(load: Array) -> Array:

@@ -32,7 +32,7 @@ class Finding:
     @property
     def verdict(self) -> str:
         """The verdict in words."""
-        return {True: "holds", False: "does not hold", None: "cannot be tested here"}[self.holds]
+        return {True: "holds", False: "does not hold", None: "cannot be tested"}[self.holds]
 
 
 @dataclass(frozen=True, slots=True)

@@ -130,7 +130,15 @@ def _head(judged: Judged) -> Iterator[str]:
         "figures": "Figures 3–19",
     }
     items = "".join(f'<a href="#{key}">{text}</a>' for key, text in links.items())
-    yield f'<nav aria-label="Contents">{items}</nav>\n</header>'
+    yield f'<nav aria-label="Contents">{items}</nav>'
+    yield "<p>What does not hold:</p>\n<ul>"
+    for statement, finding in judged:
+        if finding.holds is False:
+            yield (
+                f'<li><a href="#{statement.key}">{_typeset(statement.text)}</a> '
+                f'<span class="soft">{statement.section}</span></li>'
+            )
+    yield "</ul>\n</header>"
 
 
 def _statements(judged: Judged) -> Iterator[str]:

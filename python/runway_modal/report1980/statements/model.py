@@ -9,7 +9,7 @@ import numpy as np
 from runway_modal.aircraft import Gear, f4e
 from runway_modal.report1980.tables import DAMPING_RATIO, NODES, TABLE_2, TABLE_3, TABLE_4
 
-from .statement import Finding, Statements
+from .statement import Finding, Statements, at_most
 
 if TYPE_CHECKING:
     from runway_modal.report1980.tables import PrintedModes
@@ -63,9 +63,9 @@ def _printed_shapes_are_orthonormal() -> Finding:
     return Finding(
         off < 5e-3,
         "Table 3 as printed: ΦᵀMΦ is within {off:.1e} of the unit matrix (three digits of pitch "
-        "are printed); recomputed within {exact:.0e}.",
+        "are printed); recomputed within at most {exact:.0e}.",
         off=off,
-        exact=exact,
+        exact=at_most(exact),
     )
 
 

@@ -35,6 +35,11 @@ class Finding:
         return {True: "holds", False: "does not hold", None: "cannot be tested"}[self.holds]
 
 
+def at_most(error: SupportsFloat) -> float:
+    """Bound an error by 1e-12: how much less rounding leaves differs between machines."""
+    return max(float(error), 1e-12)
+
+
 @dataclass(frozen=True, slots=True)
 class Statement:
     """What the report says, in our words, and how to measure it."""

@@ -126,6 +126,18 @@ def test_shows_tables_as_printed_and_as_computed(document: Document) -> None:
         assert number in document.text
 
 
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("-37.83 in to +2.0 %", "−37.83\u00a0in to +2.0\u00a0%"),
+        ("within 3e-16", "within 3 × 10<sup>−16</sup>"),
+        ("D_L < I_P of F-4E, twelve-in", "D<sub>L</sub> &lt; I<sub>P</sub> of F-4E, twelve-in"),
+    ],
+)
+def test_typesetting(text: str, shown: str) -> None:
+    assert page._typeset(text) == shown
+
+
 def test_alternative_text_tells_the_loads() -> None:
     tenth = next(each for each in figures.FIGURES if each.number == 10).draw()
     # test_report.py: the static load; the README: the extremes.

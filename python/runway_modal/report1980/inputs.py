@@ -26,7 +26,12 @@ INPUTS = (
     Input("Damping ratio over spalls", "1 %", "inferred", "as over the mats"),
     Input("Gear stiffness over spalls", "Table 3's", "inferred", "the text names none"),
     Input("Bounce model", "145.5 lbf·s²/in; 12.016 and 11.328 rad/s", "printed", "Section IV.4"),
-    Input("Bounce model's weight", "M g, the whole aircraft", "inferred", "Eq. 16's W"),
+    Input(
+        "Bounce model's load beside one main gear's",
+        "half",
+        "inferred",
+        "Eq. 16 has the whole weight; the scales of Figures 4 to 6 are lost",
+    ),
     Input("Speed over mats, over spalls", "20 kt, 10 kt", "printed", "Sections IV.5 to IV.7"),
     Input("Mat thickness", "1.5 in", "published", "AM-2 matting, UFC 3-270-07"),
     Input("Full mat, length", "77.5 ft", "published", "crater cover, UFC 3-270-07"),

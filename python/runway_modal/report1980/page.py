@@ -136,7 +136,8 @@ def _head(judged: Judged) -> Iterator[str]:
         if finding.holds is False:
             yield (
                 f'<li><a href="#{statement.key}">{_typeset(statement.text)}</a> '
-                f'<span class="soft">{statement.section}</span></li>'
+                f'<span class="soft">{statement.section}</span>'
+                f"{' ' + _tag('inferred', 'inferred') if statement.rests_on else ''}</li>"
             )
     yield "</ul>\n</header>"
 

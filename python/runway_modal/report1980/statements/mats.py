@@ -414,7 +414,7 @@ def _equivalent(row: int, column: int) -> Finding:
     _, _, equivalent = runs.taxi_stiffness(column)
     return Finding(
         abs(equivalent / printed.equivalent - 1) < 0.01,
-        "{equivalent:,.0f} lbf/in (asked: within 1 %; off by {off:+.1f} %).",
+        "{equivalent:,.0f} lbf/in (asked: within 1 %; off by {off:+.2f} %).",
         equivalent=equivalent,
         off=100 * (equivalent / printed.equivalent - 1),
     )

@@ -7,6 +7,6 @@ from .statement import Finding, Statement
 from .theory import THEORY
 
 #: Section numbers sort as they read, as far as V.
-STATEMENTS = tuple(sorted(THEORY + MODEL + MATS + SPALLS, key=lambda each: each.section))
+STATEMENTS = tuple(sorted(MATS + THEORY + MODEL + SPALLS, key=lambda each: each.section))
 
 __all__ = ["STATEMENTS", "Finding", "Statement"]

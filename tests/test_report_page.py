@@ -15,7 +15,7 @@ import pytest
 
 import runway_modal as rm
 from runway_modal import report1980
-from runway_modal.report1980 import figures, page
+from runway_modal.report1980 import figures, markup, page
 from runway_modal.report1980.inputs import INPUTS
 from runway_modal.report1980.statements import STATEMENTS
 
@@ -135,7 +135,7 @@ def test_shows_tables_as_printed_and_as_computed(document: Document) -> None:
     ],
 )
 def test_typesetting(text: str, shown: str) -> None:
-    assert page._typeset(text) == shown
+    assert markup.typeset(text) == shown
 
 
 def test_alternative_text_tells_the_loads() -> None:

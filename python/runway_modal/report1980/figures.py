@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,23 +20,7 @@ if TYPE_CHECKING:
 
     from runway_modal.profile import Profile
 
-
-class _Run(Protocol):
-    """What a figure needs of a linear or nonlinear response."""
-
-    @property
-    def time(self) -> NDArray[np.float64]: ...
-
-    @property
-    def load(self) -> NDArray[np.float64]: ...
-
-    @property
-    def static_load(self) -> NDArray[np.float64]: ...
-
-    @property
-    def elevation(self) -> NDArray[np.float64]: ...
-
-    def at(self, times: NDArray[np.float64]) -> Self: ...
+    from .runs import Run
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +75,7 @@ def _save(height: float, paint: Callable[[matplotlib.figure.Figure], None]) -> b
     return file.getvalue()
 
 
-def _loads(simulate: Callable[[], _Run], panels: Mapping[str, int]) -> Picture:
+def _loads(simulate: Callable[[], Run], panels: Mapping[str, int]) -> Picture:
     """Draw loads against time, static loads as lines, the tracks beneath."""
     run = _with_approach(simulate())
     heights = [2.6] * len(panels) + [1.0]
@@ -124,7 +108,7 @@ def _loads(simulate: Callable[[], _Run], panels: Mapping[str, int]) -> Picture:
 _APPROACH = 0.25
 
 
-def _with_approach(run: _Run) -> _Run:
+def _with_approach(run: Run) -> Run:
     """Sample the same run from a little earlier on, finely enough for a smooth line."""
     fine = np.linspace(-_APPROACH, run.time[-1], 1500)
     return run.at(np.union1d(np.append(fine, np.nextafter(0.0, -1.0)), run.time))
@@ -145,7 +129,7 @@ def _beside(axis: Any, height: float, text: str) -> None:
     )
 
 
-def _tracks(axis: Any, run: _Run, panels: Mapping[str, int]) -> None:
+def _tracks(axis: Any, run: Run, panels: Mapping[str, int]) -> None:
     """Elevation under each gear that has a panel; gears over the same share a line."""
     lines: dict[bytes, tuple[NDArray[np.float64], list[str]]] = {}
     for title, column in panels.items():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import os
-import re
 from html import escape
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -12,23 +11,19 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from runway_modal._core import InputError
-from runway_modal.aircraft import Gear, f4e
 
-from . import runs, velocity_term
 from .figures import FIGURES
 from .inputs import INPUTS
+from .markup import row, table, tag, typeset
+from .page_tables import tables, velocity_terms
 from .statements import STATEMENTS
-from .tables import DAMPING_RATIO, TABLE_1, TABLE_2, TABLE_3, TABLE_4, TAXI_STIFFNESS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from .figures import Figure
     from .statements import Finding, Statement
-    from .tables import PrintedModes
 
     Judged = Sequence[tuple[Statement, Finding]]
 
@@ -95,8 +90,8 @@ def _page() -> Iterator[str]:
     yield "<main>"
     yield from _statements(judged)
     yield from _inputs()
-    yield from _tables()
-    yield from _velocity()
+    yield from tables()
+    yield from velocity_terms()
     yield from _figures(judged)
     yield "</main>"
     yield (
@@ -119,7 +114,7 @@ def _head(judged: Judged) -> Iterator[str]:
         f"<strong>{count[True]} hold</strong>, <strong>{count[False]} do not</strong> and "
         f"{count[None]} cannot be tested. Every verdict is computed when this page is "
         "written. The report's figures are lost: those below are drawn from its text. A dimension "
-        f"that had to be guessed is marked {_tag('inferred', 'inferred')}, and so is every verdict "
+        f"that had to be guessed is marked {tag('inferred', 'inferred')}, and so is every verdict "
         "that rests on it.</p>"
     )
     links = {
@@ -135,9 +130,9 @@ def _head(judged: Judged) -> Iterator[str]:
     for statement, finding in judged:
         if finding.holds is False:
             yield (
-                f'<li><a href="#{statement.key}">{_typeset(statement.text)}</a> '
+                f'<li><a href="#{statement.key}">{typeset(statement.text)}</a> '
                 f'<span class="soft">{statement.section}</span>'
-                f"{' ' + _tag('inferred', 'inferred') if statement.rests_on else ''}</li>"
+                f"{' ' + tag('inferred', 'inferred') if statement.rests_on else ''}</li>"
             )
     yield "</ul>\n</header>"
 
@@ -147,9 +142,9 @@ def _statements(judged: Judged) -> Iterator[str]:
     yield (
         "<p>The report in our words, what was found, and the verdict with the bar it was held "
         "against. TAXI itself is not public: a nonlinear reference stands for it, and "
-        f"{_tag('fails', 'does not hold')} then means that the reference does not show it.</p>"
+        f"{tag('fails', 'does not hold')} then means that the reference does not show it.</p>"
     )
-    yield from _table(("The report", "Found", "Verdict", "Figures"), _judged(judged), "statement")
+    yield from table(("The report", "Found", "Verdict", "Figures"), _judged(judged), "statement")
     yield "</section>"
 
 
@@ -158,14 +153,14 @@ def _judged(judged: Judged) -> Iterator[str]:
         yield f'<tr class="section"><th colspan="4" scope="rowgroup">Section {section}</th></tr>'
         for statement, finding in group:
             rests = (
-                f'<p class="note">{_tag("inferred", "inferred")} {escape(statement.rests_on)}</p>'
+                f'<p class="note">{tag("inferred", "inferred")} {escape(statement.rests_on)}</p>'
                 if statement.rests_on
                 else ""
             )
             figures = " ".join(f'<a href="#figure-{n}">{n}</a>' for n in statement.figures)
             yield (
-                f'<tr id="{statement.key}"><td>{_typeset(statement.text)}</td>'
-                f"<td>{_typeset(finding.text)}{rests}</td>"
+                f'<tr id="{statement.key}"><td>{typeset(statement.text)}</td>'
+                f"<td>{typeset(finding.text)}{rests}</td>"
                 f"<td>{_verdict(finding)}</td><td>{figures}</td></tr>"
             )
 
@@ -173,136 +168,20 @@ def _judged(judged: Judged) -> Iterator[str]:
 def _inputs() -> Iterator[str]:
     yield '<section id="inputs">\n<h2>What went in</h2>'
     yield (
-        f"<p>{_tag('printed', 'printed')} in the report; {_tag('published', 'published')} in a "
-        f"public source, named; {_tag('inferred', 'inferred')} deduced here, not data.</p>"
+        f"<p>{tag('printed', 'printed')} in the report; {tag('published', 'published')} in a "
+        f"public source, named; {tag('inferred', 'inferred')} deduced here, not data.</p>"
     )
     rows = (
-        _row(
-            _typeset(each.what),
-            _typeset(each.value),
-            _tag(each.origin, each.origin),
-            _typeset(each.source),
+        row(
+            typeset(each.what),
+            typeset(each.value),
+            tag(each.origin, each.origin),
+            typeset(each.source),
         )
         for each in INPUTS
     )
-    yield from _table(("Input", "Value", "Origin", "Source"), rows)
+    yield from table(("Input", "Value", "Origin", "Source"), rows)
     yield "</section>"
-
-
-def _tables() -> Iterator[str]:
-    yield '<section id="tables">\n<h2>Tables 1 to 4</h2>'
-    yield "<h3>Table 1. Aircraft model data</h3>"
-    printed = _tag("printed", "printed")
-    rows = [
-        _row(_typeset(symbol), _number(f"{value:,.10g}"), unit, printed)
-        for symbol, value, unit in TABLE_1
-    ]
-    aircraft = f4e()
-    nose, main, _ = aircraft.static_load
-    rows += [
-        _row("Weight", _number(f"{aircraft.mass * aircraft.gravity:,.1f}"), "lbf", "computed"),
-        _row("Static load, nose gear", _number(f"{nose:,.1f}"), "lbf", "computed"),
-        _row("Static load, each main gear", _number(f"{main:,.1f}"), "lbf", "computed"),
-    ]
-    yield from _table(("", ">Value", "Unit", "Origin"), rows)
-
-    yield "<h3>Table 2. Equivalent spring stiffness [lbf/in]</h3>"
-    rows = [
-        _row(
-            f"{gear.name.capitalize()} gear",
-            _number(f"{gear.strut:,.0f}"),
-            _number(f"{gear.tire:,.0f}"),
-            _number(f"{gear.series:,.0f}"),
-            _number(
-                f"{Gear.from_series('g', 0, 0, strut=gear.strut, tire=gear.tire).stiffness:,.2f}"
-            ),
-        )
-        for gear in TABLE_2
-    ]
-    yield from _table(
-        ("", ">Strut, printed", ">Tire, printed", ">Series, printed", ">Series, computed"), rows
-    )
-
-    yield from _modes(TABLE_3, "Table 3. Mode shapes and frequencies")
-    yield "<h3>Stiffness over TAXI's full-mat run [lbf/in] (Section IV.6)</h3>"
-    rows = []
-    for printed_range, column in zip(TAXI_STIFFNESS, (1, 0), strict=True):
-        low, high, equivalent = runs.taxi_stiffness(column)
-        rows.append(
-            _row(
-                f"{printed_range.name.capitalize()} gear",
-                *(
-                    _number(f"{value:,.0f}")
-                    for pair in (
-                        (printed_range.low, low),
-                        (printed_range.high, high),
-                        (printed_range.equivalent, equivalent),
-                    )
-                    for value in pair
-                ),
-            )
-        )
-    yield from _table(("", ">Smallest", ">here", ">Largest", ">here", ">Eq. 22", ">here"), rows)
-    yield (
-        '<p class="note">"Here" is the nonlinear reference, calibrated on the main gear\'s row: '
-        "not a prediction.</p>"
-    )
-    yield from _modes(TABLE_4, "Table 4. Revised mode shapes and frequencies")
-    yield "</section>"
-
-
-def _modes(printed: PrintedModes, title: str) -> Iterator[str]:
-    yield f"<h3>{title}</h3>"
-    modes = f4e(printed.stiffness).modes(DAMPING_RATIO)
-    rows = []
-    for i, (omega, shape) in enumerate(zip(printed.omega, printed.shapes, strict=True)):
-        # A mode's sign is free: ours is shown with the report's.
-        sign = 1.0 if np.dot(shape, modes.shapes[:, i]) > 0 else -1.0
-        computed = (modes.omega[i], *(sign * modes.shapes[:, i]))
-        formats = ("{:.5f}", *["{:.8f}"] * 3)
-        for label, values in (("printed", (omega, *shape)), ("computed", computed)):
-            shown = [f"{omega:.3f}", *(f"{v:.6f}" for v in shape)] if label == "printed" else []
-            shown = shown or [form.format(v + 0.0) for form, v in zip(formats, values, strict=True)]
-            rows.append(
-                _row(f"Mode {i + 1}" if label == "printed" else "", label, *map(_number, shown))
-            )
-    heads = ("", "", ">ω [rad/s]", ">x_g (bounce)", ">θ (pitch)", ">φ (roll)")
-    yield from _table(heads, rows)
-
-
-def _velocity() -> Iterator[str]:
-    yield '<section id="velocity">\n<h2>Leaving out the velocity terms</h2>'
-    yield (
-        "<p>Section III.4 drops 2ζω u̇<sub>M</sub> from the bounce model's excitation (Eq. 15) and "
-        "2ζωM (u̇<sub>M</sub> − u̇) from its load (Eq. 16), the latter as an estimate on the safe "
-        "side. The change of the largest load shows what that does: below zero is unsafe. At a "
-        "sharp edge the damper's load is infinite for no time; that blow moves the mass but is not "
-        "counted.</p>"
-    )
-    rows = []
-    for name, (profile, speed) in velocity_term.CASES.items():
-        for ratio in velocity_term.RATIOS:
-            peaks = velocity_term.peaks(profile, speed, ratio)
-            changes = (peaks.without_input, peaks.without_load, peaks.without_both)
-            rows.append(
-                _row(
-                    name if ratio == velocity_term.RATIOS[0] else "",
-                    _number(f"{100 * ratio:g} %"),
-                    _number(f"{peaks.full / 1e3:.2f}"),
-                    *(_number(f"{100 * (change / peaks.full - 1):+.3f} %") for change in changes),
-                )
-            )
-    heads = (
-        "Profile",
-        ">ζ",
-        ">Both kept [kip]",
-        ">Excitation dropped",
-        ">Load dropped",
-        ">Both dropped (report)",
-    )
-    yield from _table(heads, rows)
-    yield f'<p class="note">1.91 Hz; {_tag("inferred", "inferred")} mat edges, half mat length, '
-    yield "spall depth and spacing.</p>\n</section>"
 
 
 def _figures(judged: Judged) -> Iterator[str]:
@@ -322,53 +201,18 @@ def _figure(figure: Figure, judged: Judged) -> Iterator[str]:
     yield f'<figure id="figure-{figure.number}">'
     yield (
         f"<figcaption><b>Figure {figure.number}. {escape(figure.caption)}</b>"
-        f'<p class="note">{_typeset(figure.note)}</p></figcaption>'
+        f'<p class="note">{typeset(figure.note)}</p></figcaption>'
     )
     yield f'<img alt="{escape(picture.alt)}" src="data:image/svg+xml;base64,{data}">'
     about = [each for each in judged if figure.number in each[0].figures]
     if about:
         items = "".join(
-            f'<li>{_verdict(finding)} <a href="#{statement.key}">{_typeset(statement.text)}</a>'
-            "</li>"
+            f'<li>{_verdict(finding)} <a href="#{statement.key}">{typeset(statement.text)}</a></li>'
             for statement, finding in about
         )
         yield f"<ul>{items}</ul>"
     yield "</figure>"
 
 
-def _tag(kind: str, text: str) -> str:
-    return f'<span class="tag {kind}">{text}</span>'
-
-
 def _verdict(finding: Finding) -> str:
-    return _tag(_CLASS[finding.holds], finding.verdict)
-
-
-def _typeset(text: str) -> str:
-    """Escape; set subscripts (D_N), powers of ten (3e-16), minus signs; keep units by numbers."""
-    text = re.sub(r"_(\w+)", r"<sub>\1</sub>", escape(text))
-    text = re.sub(r"(\d)e([+-])0?(\d+)", r"\1 × 10<sup>\2\3</sup>", text)
-    text = re.sub(r"(?<=\d) (?=%|kip|Hz|in\b|s\b|ms\b|lbf)", "\u00a0", text)
-    return re.sub(r"(?<![\w-])-(?=\d)|(?<=<sup>)-", "−", text).replace("<sup>+", "<sup>")
-
-
-def _number(text: str) -> str:
-    return f'<td class="n">{text.replace("-", "−")}</td>'
-
-
-def _row(*cells: str) -> str:
-    marked = (cell if cell.startswith("<td") else f"<td>{cell}</td>" for cell in cells)
-    return f"<tr>{''.join(marked)}</tr>"
-
-
-def _table(heads: Iterable[str], rows: Iterable[str], kind: str = "") -> Iterator[str]:
-    """Heads that begin with > stand over numbers."""
-    cells = "".join(
-        f'<th scope="col" class="n">{_typeset(head[1:])}</th>'
-        if head.startswith(">")
-        else f'<th scope="col">{_typeset(head)}</th>'
-        for head in heads
-    )
-    yield f'<div class="wide"><table class="{kind}"><thead><tr>{cells}</tr></thead><tbody>'
-    yield from rows
-    yield "</tbody></table></div>"
+    return tag(_CLASS[finding.holds], finding.verdict)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol, Self
 
 import numpy as np
 
@@ -15,10 +15,10 @@ from runway_modal.units import knots
 from .tables import DAMPING_RATIO, MAT_KNOTS, SPALL_KNOTS, TABLE_1, TABLE_3, TABLE_4
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from runway_modal import nonlinear
-    from runway_modal.response import Response
+    from runway_modal.response import Extremes, Response
 
     from .tables import Stiffness
 
@@ -36,6 +36,32 @@ TIMES = np.linspace(0.0, 8.0, 8001)
 
 #: Gears that enter the spall in Figures 14, 15 and 16, and again in 17, 18 and 19.
 SPALL_INPUTS = (("left",), ("nose", "left"), ("nose", "left", "right"))
+
+
+class Run(Protocol):
+    """What linear and nonlinear responses have in common, as far as it is used here."""
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Sample times, shape (n,) [s]."""
+
+    @property
+    def load(self) -> NDArray[np.float64]:
+        """Compression loads, shape (n, g) [lbf]."""
+
+    @property
+    def static_load(self) -> NDArray[np.float64]:
+        """Static loads, shape (g,) [lbf]."""
+
+    @property
+    def elevation(self) -> NDArray[np.float64]:
+        """Elevation under each gear, shape (n, g) [in]."""
+
+    def at(self, times: ArrayLike) -> Self:
+        """Evaluate the run at other times."""
+
+    def extremes(self) -> Extremes:
+        """Find the true extremes between the first time and the last."""
 
 
 @cache

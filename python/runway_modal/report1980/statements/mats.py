@@ -29,7 +29,9 @@ from .measures import (
 from .statement import Finding, Statements
 
 if TYPE_CHECKING:
-    from .measures import Model, Run
+    from runway_modal.report1980.runs import Run
+
+    from .measures import Model
 
 MATS = Statements()
 

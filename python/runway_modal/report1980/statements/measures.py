@@ -2,43 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, Protocol, Self
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from runway_modal.report1980 import runs
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from runway_modal.profile import Profile
-    from runway_modal.response import Extremes
+    from runway_modal.report1980.runs import Run
 
     Array = NDArray[np.float64]
 
 #: Models by name: the bounce model with Table 3's and Table 4's frequency, the three-degree-of-
 #: freedom model with their stiffnesses, and the nonlinear reference, which stands for TAXI.
 Model = Literal["sdof 1.91", "sdof 1.80", "3dof 3", "3dof 4", "taxi"]
-
-
-class Run(Protocol):
-    """What linear and nonlinear responses have in common."""
-
-    @property
-    def load(self) -> Array:
-        """Compression loads, shape (n, g)."""
-
-    @property
-    def static_load(self) -> Array:
-        """Static loads, shape (g,)."""
-
-    def at(self, times: Sequence[float]) -> Self:
-        """Evaluate the run at other times."""
-
-    def extremes(self) -> Extremes:
-        """Find the true extremes between the first time and the last."""
 
 
 def run(model: Model, mat: Profile) -> Run:

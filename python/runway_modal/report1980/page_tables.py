@@ -56,8 +56,8 @@ def tables() -> Iterator[str]:
     yield from _modes(TABLE_3, "Table 3. Mode shapes and frequencies")
     yield "<h3>Stiffness over TAXI's full-mat run [lbf/in] (Section IV.6)</h3>"
     rows = []
-    for printed_range, column in zip(TAXI_STIFFNESS, (1, 0), strict=True):
-        low, high, equivalent = runs.taxi_stiffness(column)
+    for printed_range, gear in zip(TAXI_STIFFNESS, ("left", "nose"), strict=True):
+        low, high, equivalent = runs.taxi_stiffness(gear)
         rows.append(
             row(
                 f"{printed_range.name.capitalize()} gear",

@@ -94,17 +94,10 @@ def taxi(mat: Profile) -> nonlinear.Response:
     return nonlinear.simulate(aircraft, mat, MAT_SPEED, times=TIMES)
 
 
-def taxi_stiffness(gear: int) -> tuple[float, float, float]:
-    """
-    Smallest, largest and equivalent stiffness (Eq. 22) of a gear on the full mat [lbf/in].
-
-    Sampled as the report's program printed them: every 0.01 s.
-    """
-    run = taxi(FULL_MAT)
-    lag = 0.0 if gear == 0 else WHEELBASE
-    begin, end = np.searchsorted(TIMES, (FULL_MAT.x[[0, -1]] + lag) / MAT_SPEED)
-    stiffness = run.stiffness[begin:end:10, gear]
-    return float(stiffness.min()), float(stiffness.max()), equivalent_stiffness(stiffness)
+def taxi_stiffness(gear: str) -> tuple[float, float, float]:
+    """Find a gear's smallest, largest and equivalent stiffness (Eq. 22) on the full mat."""
+    sampled = taxi(FULL_MAT).stiffness_between(FULL_MAT.x[0], FULL_MAT.x[-1])[gear]
+    return float(sampled.min()), float(sampled.max()), equivalent_stiffness(sampled)
 
 
 def full_mat(stiffness: Stiffness) -> Response:

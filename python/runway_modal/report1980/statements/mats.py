@@ -421,9 +421,9 @@ def _tuned() -> tuple[float, Run]:
     return hertz, simulate(modes, runs.FULL_MAT, runs.MAT_SPEED, times=runs.TIMES)
 
 
-def _stiffness(row: int, column: int) -> Finding:
+def _stiffness(row: int, gear: str) -> Finding:
     printed = TAXI_STIFFNESS[row]
-    low, high, _ = runs.taxi_stiffness(column)
+    low, high, _ = runs.taxi_stiffness(gear)
     return Finding(
         abs(low / printed.low - 1) < 0.02 and abs(high / printed.high - 1) < 0.02,
         "{low:,.0f} to {high:,.0f} lbf/in (asked: within 2 %; off by {low_off:+.1f} and "
@@ -442,7 +442,7 @@ def _stiffness(row: int, column: int) -> Finding:
     rests_on=f"{_TAXI}, calibrated on this",
 )
 def _main_stiffness_range() -> Finding:
-    return _stiffness(0, 1)
+    return _stiffness(0, "left")
 
 
 @MATS.add(
@@ -452,12 +452,12 @@ def _main_stiffness_range() -> Finding:
     rests_on=_TAXI,
 )
 def _nose_stiffness_range() -> Finding:
-    return _stiffness(1, 0)
+    return _stiffness(1, "nose")
 
 
-def _equivalent(row: int, column: int) -> Finding:
+def _equivalent(row: int, gear: str) -> Finding:
     printed = TAXI_STIFFNESS[row]
-    _, _, equivalent = runs.taxi_stiffness(column)
+    _, _, equivalent = runs.taxi_stiffness(gear)
     return Finding(
         abs(equivalent / printed.equivalent - 1) < 0.01,
         "{equivalent:,.0f} lbf/in (asked: within 1 %; off by {off:+.2f} %).",
@@ -473,7 +473,7 @@ def _equivalent(row: int, column: int) -> Finding:
     rests_on=f"{_TAXI}, calibrated on this",
 )
 def _main_equivalent_stiffness() -> Finding:
-    return _equivalent(0, 1)
+    return _equivalent(0, "left")
 
 
 @MATS.add(
@@ -483,7 +483,7 @@ def _main_equivalent_stiffness() -> Finding:
     rests_on=_TAXI,
 )
 def _nose_equivalent_stiffness() -> Finding:
-    return _equivalent(1, 0)
+    return _equivalent(1, "nose")
 
 
 @MATS.add(
@@ -493,7 +493,7 @@ def _nose_equivalent_stiffness() -> Finding:
     rests_on=f"{_FULL}; {_TAXI}",
 )
 def _equivalent_stiffness_gives_the_period() -> Finding:
-    nose_gear, main_gear = (runs.taxi_stiffness(gear)[2] for gear in (0, 1))
+    nose_gear, main_gear = (runs.taxi_stiffness(gear)[2] for gear in ("nose", "left"))
     equal = {"nose": nose_gear, "left": main_gear, "right": main_gear}
     linear = float(f4e().with_stiffness(equal).modes(DAMPING_RATIO).frequency_hz[1])
     taxi, _ = _tuned()

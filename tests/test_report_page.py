@@ -113,6 +113,19 @@ def test_shows_every_statement_and_its_verdict(document: Document) -> None:
     assert document.text.count("does not hold") == shown + 2
 
 
+def test_what_does_not_hold_is_in_the_documentation() -> None:
+    text = (Path(__file__).parents[1] / "docs" / "report1980.md").read_text(encoding="utf-8")
+    words = " ".join(text.split())
+    assert f"Of {len(STATEMENTS)} statements" in words
+    assert "44 hold, 11 do not and 1 cannot be tested" in words
+    listed = [line for line in text.splitlines() if line.startswith("- **")]
+    failing = [each for each in STATEMENTS if each.check().holds is False]
+    assert len(listed) == len(failing)
+    for statement in failing:
+        said = f"- **{statement.section}** {statement.text} — {statement.check().text}"
+        assert said in words
+
+
 def test_names_the_origin_of_every_input(document: Document) -> None:
     assert {each.origin for each in INPUTS} == {"printed", "published", "inferred"}
     for each in INPUTS:

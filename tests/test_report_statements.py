@@ -320,3 +320,25 @@ def test_direct_integration_converges_to_the_exact_march(method: direct.Method) 
     # Second order: a quarter of the error at half the step.
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.01)
     assert errors[1] < 2e-4
+
+
+@pytest.mark.parametrize(
+    ("dt", "found"), [(1e-2, (4.8e-2, 2.4e-2, 1.0e-1)), (1e-3, (4.7e-4, 2.3e-4, 1.0e-3))]
+)
+def test_errors_of_direct_integration(dt: float, found: tuple[float, ...]) -> None:
+    # As benches/direct_integration.py prints and docs/report1980.md quotes them.
+    run = runs.full_mat("static")
+    modes, aircraft = run.modes, run.modes.aircraft
+    weighted = aircraft.mass_matrix @ modes.shapes
+    damping = weighted * (2 * modes.damping_ratio * modes.omega) @ weighted.T
+    spring = np.array([gear.stiffness for gear in aircraft.gears])
+    exact = run.at(dt * np.arange(int(run.time[-1] / dt) + 1))
+    force = exact.elevation * spring @ aircraft.geometry
+    dynamic = exact.load - exact.static_load
+    for method, error in zip(direct.METHODS, found, strict=True):
+        u = direct.march(
+            method, aircraft.mass_matrix, damping, aircraft.stiffness_matrix, force, dt
+        )
+        off = spring * (exact.elevation - u @ aircraft.geometry.T) - dynamic
+        worst = (np.abs(off).max(axis=0) / np.abs(dynamic).max(axis=0)).max()
+        assert worst == pytest.approx(error, rel=0.03)

@@ -95,6 +95,17 @@ def test_strut_force_equals_tire_force(name: str) -> None:
             assert series.stiffness(piece, load) == pytest.approx(slope, rel=1e-7)
 
 
+@pytest.mark.parametrize("name", STRUTS)
+@pytest.mark.parametrize("tire", [True, False])
+def test_trial_steps_may_go_anywhere(name: str, tire: bool) -> None:
+    series = gear(STRUTS[name])._law(MAIN["load"], tire=tire)
+    for s in (-1e80, -1e20, -1e3, 1e3, 1e20, 1e80):
+        for piece in range(1, len(series.kinks) + 1):
+            for load in (series.load(piece, s), series.load(piece, np.array([s]))[0]):
+                assert np.isfinite(load)
+                assert (load > 1e4) == (s > 0)
+
+
 def test_series_slope_at_static_is_table_2() -> None:
     nose, left, _ = nonlinear.f4e(polytropic=1.3).linearised().gears
     # 1/k = 1/k_strut + 1/k_tire of the printed values.

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
     from .springs import GasSpring, Values
 
-#: A strut without a tire in series carries no more than its gas at this share of its column: no
-#: run gets there, but a trial step of the integration may try to get past the bottom.
-_BOTTOM = 1e-6
+#: No run gets a gas column down to this share of its length or out to its inverse, but a trial
+#: step of the integration may try; the load then stays what it is there.
+_EXTREME = 1e-6
 
 #: Newton steps that suffice for any load within 1e40 of the chamber's reference load.
 _ITERATIONS = 60
@@ -35,13 +35,14 @@ class Branch:
         Sum of 1/k of the linear springs [length/force].
     """
 
-    __slots__ = ("_limit", "chambers", "compliance")
+    __slots__ = ("_limits", "chambers", "compliance")
 
     def __init__(self, chambers: Sequence[GasSpring], compliance: float) -> None:
         self.chambers = tuple(chambers)
         self.compliance = compliance
         columns = sum(chamber.column for chamber in self.chambers)
-        self._limit = math.inf if compliance else (1.0 - _BOTTOM) * columns
+        longest = math.inf if compliance else (1.0 - _EXTREME) * columns
+        self._limits = (-columns / _EXTREME, longest)
 
     def compression(self, load: Values) -> Values:
         """Sum of the compressions at a load."""
@@ -61,16 +62,15 @@ class Branch:
         """Load at a sum of compressions."""
         if not self.chambers:
             return compression / self.compliance
-        first = self.chambers[0]
-        if not self.compliance:
-            compression = np.minimum(compression, self._limit)
-            if len(self.chambers) == 1:
-                return first.force(compression)
-            return self._newton(compression, first.load + 0.0 * compression)
-        guess = self._isothermal(compression)
-        if len(self.chambers) == 1 and first.polytropic == 1.0:
-            return guess
-        return self._newton(compression, guess)
+        gas, alone = self.chambers[0], len(self.chambers) == 1
+        if self.compliance and alone and gas.polytropic == 1.0:
+            return self._isothermal(compression)
+        compression = _bounded(compression, *self._limits)
+        if self.compliance:
+            return self._newton(compression, self._isothermal(compression))
+        if alone:
+            return gas.force(compression)
+        return self._newton(compression, gas.force(_bounded(compression, -math.inf, 0.0)))
 
     def _isothermal(self, compression: Values) -> Values:
         """
@@ -105,6 +105,12 @@ class Branch:
                 # Convergence is quadratic: that step left an error of 1e-18.
                 return load
         raise NumericalError(f"load at the compression {compression!r} not found")
+
+
+def _bounded(values: Values, low: float, high: float) -> Values:
+    if isinstance(values, float):
+        return min(max(values, low), high)
+    return np.minimum(np.maximum(values, low), high)
 
 
 class Series:

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 #: Points of each step at which it is looked for a gear that changes state.
 _LOOKS = np.arange(1, 9) / 8.0
 
+#: And between the start of a change and the first of them that shows it.
+_CLOSER = np.exp2(np.arange(-30.0, 1.0))
+
 #: Tolerance of a step for a tolerance of the run: over a run errors add up to some 8 times the
 #: former where the linear model is the judge.
 _SAFETY = 0.01
@@ -210,16 +213,22 @@ class _Integration:
         if not crossed.any():
             return float(step.t), None
         look = int(crossed.any(axis=0).argmax())
-        before = float(looks[look - 1]) if look else float(step.t_old)
+        before, after = float(looks[look - 1]) if look else float(step.t_old), float(looks[look])
 
         def time_of(switch: int) -> float:
-            # It may be there from the start: the other one of two gears that meet a bump together.
-            if switches(before)[switch][0] <= 0.0:
-                return before
+            begin, end = before, after
+            if switches(begin)[switch][0] <= 0.0:
+                # A gear that has just changed starts from zero: it may have come and gone. Or it
+                # is the other one of two gears that meet a bump together: negative all the way.
+                closer = before + (after - before) * _CLOSER
+                positive = np.flatnonzero(switches(closer)[switch][0] > 0.0)
+                if not positive.size:
+                    return before
+                begin, end = closer[positive[-1]], closer[positive[-1] + 1]
             found = self._root(
                 lambda time: switches(time)[switch][0],
-                before,
-                looks[look],
+                begin,
+                end,
                 xtol=np.finfo(float).tiny,
                 rtol=4.0 * np.finfo(float).eps,
             )

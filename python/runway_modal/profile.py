@@ -13,9 +13,11 @@ from ._input import array, finite, number, read_only
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
     from ._core import Profile as CoreProfile
+    from .units import Units
 
 
 class Profile:
@@ -574,6 +576,38 @@ class Profile:
         if tolerance is None:
             tolerance = 1e-4 * (float(self.z.max()) - float(self.z.min())) or 1.0
         return self._wrap(self._core.footprint(length, number("tolerance", tolerance)))
+
+    def plot(self, *, ax: Axes | None = None, units: Units | None = None) -> Axes:
+        """
+        Draw elevation against station.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where. Default: a new figure.
+        units : Units, optional
+            Units of the profile, for the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> from matplotlib.figure import Figure
+        >>> rm.Profile.full_mat().plot(ax=Figure().subplots()).get_xlabel()
+        'station'
+        """
+        from .plotting import plot_profile
+
+        return plot_profile(self, ax, units)
 
     def __eq__(self, other: object) -> bool:
         """Whether both have the same breakpoints."""

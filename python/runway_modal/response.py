@@ -8,13 +8,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ._core import InputError
 from ._input import any_array, array, read_only
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
     from . import _core
     from .modes import Modes
+    from .units import Units
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -236,6 +243,116 @@ class Response:
         True
         """
         return self._extremes
+
+    def plot(
+        self,
+        gears: Sequence[str] | None = None,
+        *,
+        ax: Axes | None = None,
+        units: Units | None = None,
+    ) -> Axes:
+        """
+        Draw gear loads against time, each with its static load as a line.
+
+        Parameters
+        ----------
+        gears : sequence of str, optional
+            Which gears. Default: all.
+        ax : matplotlib.axes.Axes, optional
+            Where. Default: a new figure.
+        units : Units, optional
+            Units of the response, for the axes; loads in lbf and N are drawn in kip and kN.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        InputError
+            If there is no such gear.
+        ImportError
+            If matplotlib is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> from matplotlib.figure import Figure
+        >>> from runway_modal.units import Units
+        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+        >>> response.plot(["left"], ax=Figure().subplots(), units=Units("in", "lbf")).get_ylabel()
+        'load [kip]'
+        """
+        from .plotting import plot_loads
+
+        names = self.modes.aircraft.gear_names
+        for i, gear in enumerate(gears or ()):
+            if gear not in names:
+                raise InputError(f"gears[{i}] = {gear!r}: no such gear; there are {names}")
+        return plot_loads(self, gears, ax, units)
+
+    def to_pandas(self, units: Units | None = None) -> pd.DataFrame:
+        """
+        Make a table of the response, one row a time (extra ``tables``).
+
+        Parameters
+        ----------
+        units : Units, optional
+            Units of the response, kept by column in ``attrs["units"]``.
+
+        Returns
+        -------
+        pandas.DataFrame, shape (n, 5 + 2 g + stations)
+            Columns time, distance, load_<gear>, elevation_<gear>, bounce, pitch, roll and
+            acceleration_<station>.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+        >>> list(response.to_pandas().columns[:4])
+        ['time', 'distance', 'load_nose', 'load_left']
+        """
+        from .tables import to_pandas
+
+        return to_pandas(self, units)
+
+    def to_xarray(self, units: Units | None = None) -> xr.Dataset:
+        """
+        Make a data set of the response with named gears and stations (extra ``tables``).
+
+        Parameters
+        ----------
+        units : Units, optional
+            Units of the response, kept in ``attrs["units"]`` of every variable.
+
+        Returns
+        -------
+        xarray.Dataset
+            Variables distance, load, static_load, elevation, bounce, pitch, roll and
+            acceleration over time, gear and station. A vertical step has its time twice.
+
+        Raises
+        ------
+        ImportError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+        >>> response.to_xarray().load.sel(gear="left").max().round(0).item()
+        43684.0
+        """
+        from .tables import to_xarray
+
+        return to_xarray(self, units)
 
     @cached_property
     def _extremes(self) -> Extremes:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import re
+from dataclasses import dataclass
+from fractions import Fraction
 from math import gcd
 from typing import TYPE_CHECKING, Literal
 
@@ -72,3 +76,227 @@ def knots(v: float, length: Literal["in", "ft", "m", "cm", "mm", "km"] = "in") -
     """
     metres = _LENGTHS[length_unit("length", length)] / _LENGTHS["m"]
     return finite("v in the new unit", finite("v", v) * _METRES_PER_SECOND / metres)
+
+
+#: Exponents of length, force and time.
+Dimension = tuple[int, int, int]
+
+LENGTH: Dimension = (1, 0, 0)
+FORCE: Dimension = (0, 1, 0)
+TIME: Dimension = (0, 0, 1)
+FREQUENCY: Dimension = (0, 0, -1)
+SPEED: Dimension = (1, 0, -1)
+ACCELERATION: Dimension = (1, 0, -2)
+MASS: Dimension = (-1, 1, 2)
+INERTIA: Dimension = (1, 1, 2)
+STIFFNESS: Dimension = (-1, 1, 0)
+DAMPING: Dimension = (-1, 1, 1)
+
+#: Exact by definition, in SI: the pound, and standard gravity.
+_POUND, _GRAVITY = Fraction("0.45359237"), Fraction("9.80665")
+
+#: Forces in newtons.
+_FORCES = {
+    "N": Fraction(1),
+    "kN": Fraction(1000),
+    "lbf": _POUND * _GRAVITY,
+    "kip": 1000 * _POUND * _GRAVITY,
+    "kgf": _GRAVITY,
+}
+
+#: A thousand of it, for axes with large numbers.
+THOUSAND = {"N": "kN", "lbf": "kip"}
+
+#: Every unit that a text may name: its size in SI and its dimension. A radian is 1.
+_UNITS: dict[str, tuple[Fraction, Dimension]] = {
+    **{name: (Fraction(size, _LENGTHS["m"]), LENGTH) for name, size in _LENGTHS.items()},
+    **{name: (size, FORCE) for name, size in _FORCES.items()},
+    "s": (Fraction(1), TIME),
+    "ms": (Fraction(1, 1000), TIME),
+    "min": (Fraction(60), TIME),
+    "h": (Fraction(3600), TIME),
+    "rad": (Fraction(1), (0, 0, 0)),
+    "Hz": (Fraction(2.0 * math.pi), FREQUENCY),
+    "kt": (Fraction(1852, 3600), SPEED),
+    "mph": (Fraction(5280 * 12 * 254, 10_000 * 3600), SPEED),
+    "g": (_GRAVITY, ACCELERATION),
+    "kg": (Fraction(1), MASS),
+    "t": (Fraction(1000), MASS),
+    "lb": (_POUND, MASS),
+    "slug": (_POUND * _GRAVITY / Fraction("0.3048"), MASS),
+}
+
+_FACTOR = re.compile(r"([A-Za-z]+)\^?([1-4]?)")
+
+
+def _size(unit: str) -> tuple[Fraction, Dimension]:
+    """Size in SI and dimension of a unit such as "lbf*s2/in"; KeyError names what is unknown."""
+    size, dimension = Fraction(1), (0, 0, 0)
+    for i, part in enumerate(unit.replace("²", "2").split("/")):
+        for factor in re.split(r"[\s*·]+", part.strip()):
+            found = _FACTOR.fullmatch(factor)
+            if not found or found[1] not in _UNITS:
+                raise KeyError(factor)
+            power = int(found[2] or 1) * (1 if i == 0 else -1)
+            base, exponents = _UNITS[found[1]]
+            size *= base**power
+            a, b, c = (d + power * e for d, e in zip(dimension, exponents, strict=True))
+            dimension = (a, b, c)
+    return size, dimension
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """
+    A consistent unit system: a length, a force and the second.
+
+    The library needs none; results get one for axes and tables.
+
+    Parameters
+    ----------
+    length : {"in", "ft", "m", "cm", "mm", "km"}
+        Unit of length.
+    force : {"N", "kN", "lbf", "kip", "kgf"}
+        Unit of force. That of mass follows: force·s²/length.
+
+    Raises
+    ------
+    InputError
+        If a unit is unknown.
+
+    Examples
+    --------
+    >>> from runway_modal.units import LENGTH, Units
+    >>> Units("in", "lbf").quantity("length", "77.5 ft", LENGTH)
+    930.0
+    """
+
+    length: str
+    force: str
+
+    def __post_init__(self) -> None:
+        """Check the names."""
+        length_unit("length", self.length)
+        if not isinstance(self.force, str) or self.force not in _FORCES:
+            known = ", ".join(map(repr, _FORCES))
+            raise InputError(f"force = {self.force!r} is none of {known}")
+
+    def name(self, dimension: Dimension) -> str:
+        """
+        Unit of a quantity.
+
+        Parameters
+        ----------
+        dimension : (int, int, int)
+            Exponents of length, force and time.
+
+        Returns
+        -------
+        str
+            Its unit.
+
+        Examples
+        --------
+        >>> from runway_modal.units import MASS, Units
+        >>> Units("in", "lbf").name(MASS)
+        'lbf·s²/in'
+        """
+
+        def product(sign: int) -> str:
+            powers = zip(
+                (self.force, "s", self.length), (dimension[i] for i in (1, 2, 0)), strict=True
+            )
+            return "·".join(
+                unit + {1: "", 2: "²"}.get(sign * power, str(sign * power))
+                for unit, power in powers
+                if sign * power > 0
+            )
+
+        above, below = product(1) or "1", product(-1)
+        return f"{above}/{below}" if below else above
+
+    def quantity(self, argument: str, value: object, dimension: Dimension) -> float:
+        """
+        Pass a quantity in these units.
+
+        Parameters
+        ----------
+        argument : str
+            What it is, for messages.
+        value : float or str
+            A number in these units, or a text with its own, such as "1.5 in" or "38 kN/mm".
+        dimension : (int, int, int)
+            Exponents of length, force and time.
+
+        Returns
+        -------
+        float
+            The quantity.
+
+        Raises
+        ------
+        InputError
+            If it is no number or its unit is unknown or of another kind.
+
+        Examples
+        --------
+        >>> from runway_modal.units import SPEED, Units
+        >>> Units("m", "N").quantity("speed", "36 km/h", SPEED)
+        10.0
+        """
+        if not isinstance(value, str):
+            return finite(argument, value)
+        found = re.fullmatch(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)\s*", value)
+        wanted = self.name(dimension)
+        if not found:
+            raise InputError(
+                f"{argument} = {value!r} is not a number and its unit; "
+                f"a number alone is in {wanted}"
+            )
+        try:
+            size, given = _size(found[2])
+        except KeyError as error:
+            raise InputError(
+                f"{argument} = {value!r}: unknown unit {error.args[0]!r}; there are "
+                f"{', '.join(_UNITS)}, their powers, products and quotients"
+            ) from None
+        if given != dimension:
+            raise InputError(f"{argument} = {value!r} has the wrong unit for what is in {wanted}")
+        try:
+            amount = float(found[1])
+        except ValueError:
+            raise InputError(f"{argument} = {value!r} does not begin with a number") from None
+        return finite(argument, amount * float(size / self._size(dimension)))
+
+    def factor(self, to: Units, dimension: Dimension) -> float:
+        """
+        Factor that turns a quantity in these units into one in others.
+
+        Parameters
+        ----------
+        to : Units
+            The other units.
+        dimension : (int, int, int)
+            Exponents of length, force and time.
+
+        Returns
+        -------
+        float
+            The factor, exactly 1 if the units are the same.
+
+        Examples
+        --------
+        >>> from runway_modal.units import LENGTH, Units
+        >>> Units("ft", "lbf").factor(Units("in", "lbf"), LENGTH)
+        12.0
+        """
+        return float(self._size(dimension) / to._size(dimension))
+
+    @property
+    def standard_gravity(self) -> float:
+        """Standard gravity, 9.80665 m/s², in these units [length/s²]."""
+        return float(_GRAVITY / self._size(ACCELERATION))
+
+    def _size(self, dimension: Dimension) -> Fraction:
+        length, force, _ = dimension
+        return _UNITS[self.length][0] ** length * _FORCES[self.force] ** force

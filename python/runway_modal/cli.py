@@ -117,7 +117,9 @@ def _lines(case: Case, responses: Mapping[str, Response]) -> Iterator[str]:
     yield "  mode   frequency [Hz]   omega [rad/s]   damping ratio   node [" + units.length + "]"
     rows = zip(modes.frequency_hz, modes.omega, modes.damping_ratio, modes.node, strict=True)
     for i, (hertz, omega, ratio, node) in enumerate(rows, 1):
-        yield f"  {i:<4} {hertz:16.4f} {omega:15.4f} {ratio:15.4f} {'-' if math.isnan(node) else f'{node:.2f}':>12}"
+        # Roll leaves the whole centreline at rest.
+        where = "-" if math.isnan(node) else f"{node:.2f}"
+        yield f"  {i:<4} {hertz:16.4f} {omega:15.4f} {ratio:15.4f} {where:>12}"
     for name, response in responses.items():
         yield ""
         yield from _results(case, name, response)
@@ -130,8 +132,10 @@ def _results(case: Case, name: str, response: Response) -> Iterator[str]:
     extremes = response.extremes()
     span = f"{response.time[0]:g} to {response.time[-1]:.4g} s"
     yield f"Speed {name} = {case.speeds[name]:.6g} {case.units.length}/s, {span}"
-    heads = (f"static [{force}]", f"largest [{force}]", "at [s]", f"smallest [{force}]", "at [s]")
-    yield f"  {'gear':<{width}} {heads[0]:>15} {heads[1]:>16} {heads[2]:>8} {heads[3]:>17} {heads[4]:>8}"
+    yield (
+        f"  {'gear':<{width}} {f'static [{force}]':>15} {f'largest [{force}]':>16} {'at [s]':>8}"
+        f" {f'smallest [{force}]':>17} {'at [s]':>8}"
+    )
     digits = 1 if response.static_load.max() >= 1e3 else 4
     for g, gear in enumerate(gears):
         yield (

@@ -55,7 +55,7 @@ _KINDS: dict[str, Dimension] = {
 
 
 def unit_of(column: str, units: Units) -> str:
-    """Unit of a column."""
+    """Name the unit of a column."""
     kind = _KINDS.get(column) or _KINDS.get(column.split("_", 1)[0])
     return units.name(kind) if kind else "rad"
 

@@ -183,7 +183,7 @@ class Units:
 
     def name(self, dimension: Dimension) -> str:
         """
-        Unit of a quantity.
+        Name the unit of a quantity.
 
         Parameters
         ----------

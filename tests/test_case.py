@@ -1,0 +1,132 @@
+"""Case files: every unit system says the same, and faults are named with their place."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import runway_modal as rm
+from runway_modal.case import Case, read_case
+from runway_modal.units import LENGTH, MASS, SPEED, STIFFNESS, Units
+
+F4E = '[aircraft]\npreset = "f4e"\ndamping_ratio = 0.01\n'
+RUN = '[run]\nspeeds = ["20 kt"]\n'
+MAT = '[[track]]\nshape = "full_mat"\n'
+INCHES = '[units]\nlength = "in"\nforce = "lbf"\n'
+
+#: Table 1 and Table 2 of the report, each number with a unit of its own.
+FULL = """
+[aircraft]
+mass = "145.5 lbf*s2/in"
+pitch_inertia = "1.92e6 lbf*s2*in"
+roll_inertia = "6.56e5 lbf s² in"
+gravity = "386.0886 in/s2"
+damping_ratio = 0.01
+[[aircraft.gears]]
+name = "nose"
+x = "19.575 ft"
+y = 0
+stiffness = "18.024 kip/ft"
+[[aircraft.gears]]
+name = "left"
+x = "-1126.49 mm"
+y = "2.77495 m"
+stiffness = "9102 lbf/in"
+[[aircraft.gears]]
+name = "right"
+x = "-44.35 in"
+y = "-109.25 in"
+stiffness = "9.102 kip/in"
+"""
+
+
+def read(folder: Path, text: str) -> Case:
+    path = folder / "case.toml"
+    path.write_text(text, encoding="utf-8")
+    return read_case(path)
+
+
+@pytest.mark.parametrize("aircraft", [F4E, FULL], ids=["preset", "data"])
+@pytest.mark.parametrize(
+    ("length", "force"), [("in", "lbf"), ("m", "N"), ("ft", "kip"), ("mm", "kN")]
+)
+def test_any_units_give_the_same_loads(
+    tmp_path: Path, aircraft: str, length: str, force: str
+) -> None:
+    case = read(tmp_path, f'[units]\nlength="{length}"\nforce="{force}"\n{aircraft}{MAT}{RUN}')
+    expected = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20)).extremes()
+    found = case.run()["20 kt"].extremes()
+    # Newtons in a pound-force, exact by definition.
+    newtons = {"lbf": 4.4482216152605, "kip": 4448.2216152605, "N": 1.0, "kN": 1000.0}[force]
+    np.testing.assert_allclose(
+        found.max_load * newtons / 4.4482216152605, expected.max_load, rtol=1e-9
+    )
+    np.testing.assert_allclose(found.time_of_max, expected.time_of_max, rtol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("units", "text", "dimension", "value"),
+    [
+        (("m", "N"), "20 kt", SPEED, 10.288888888888889),
+        (("m", "N"), "72 km/h", SPEED, 20.0),
+        (("in", "lbf"), "100 ft/s", SPEED, 1200.0),
+        (("m", "N"), "1 slug", MASS, 14.593902937206365),
+        (("m", "N"), "1 lbf/in", STIFFNESS, 175.12683524647637),
+        (("in", "lbf"), "1 m", LENGTH, 39.37007874015748),
+    ],
+)
+def test_quantities(
+    units: tuple[str, str], text: str, dimension: tuple[int, int, int], value: float
+) -> None:
+    assert Units(*units).quantity("q", text, dimension) == pytest.approx(value, rel=1e-15)
+
+
+def test_tracks_add_up_follow_each_other_and_come_from_files(tmp_path: Path) -> None:
+    (tmp_path / "survey.csv").write_text("s [m],z [mm]\n0,0\n2.54,25.4\n5.08,0\n")
+    text = (
+        '[[track]]\nshape = "mat"\nlength = "10 ft"\nramp = 0\n'
+        '[[track]]\nshape = "spall"\nlength = 24\ndepth = 1\ngap = "5 ft"\n'
+        '[[track]]\ngears = ["nose"]\nfile = "survey.csv"\nstart = 1000\n'
+    )
+    tracks = read(tmp_path, INCHES + F4E + text + RUN).tracks
+    assert tracks["left"].x.tolist() == [0, 0, 120, 120, 180, 180, 204, 204]
+    assert tracks["left"].z.tolist() == [0, 1.5, 1.5, 0, 0, -1, -1, 0]
+    np.testing.assert_allclose(tracks["nose"].elevation([1100.0]), [1.0], rtol=1e-14)
+
+
+def test_one_degree_of_freedom_and_measured_modes(tmp_path: Path) -> None:
+    single = '[single_dof]\nmass = 145.5\nomega = "1.91 Hz"\ndamping_ratio = 0.01\n'
+    assert read(tmp_path, INCHES + single + MAT + RUN).modes.frequency_hz[0] == pytest.approx(1.91)
+    measured = (
+        '[aircraft]\npreset = "f4e"\n[[aircraft.modes]]\nomega = 12.016\ndamping_ratio = 0.02\n'
+        "shape = [0.078743, -0.000226, 0]\n"
+    )
+    modes = read(tmp_path, INCHES + measured + MAT + RUN).modes
+    assert modes.omega.tolist() == [12.016]
+    assert modes.damping_ratio.tolist() == [0.02]
+
+
+def test_inferred_defaults_are_said(tmp_path: Path) -> None:
+    shape = '[[track]]\nshape = "two_foot_spall"\nramp = 2\n'
+    assert read(tmp_path, INCHES + F4E + shape + RUN).notes == ("track[0]: depth = 1.5 in",)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (INCHES + F4E + MAT + 'lenght = "3 ft"\n' + RUN, "9: track[0]: unknown key 'lenght'"),
+        (INCHES + F4E + '[[track]]\nshape = "ful_mat"\n' + RUN, "8: .*did you mean 'full_mat'"),
+        (INCHES + F4E + MAT + '[run]\nspeeds = ["20 N"]\n', "10: run: .*wrong unit"),
+        (INCHES + F4E + MAT + "[run]\nspeeds = [-1]\n", "10: run: speeds.0. = -1 is not positive"),
+        (INCHES + F4E + MAT, "run is missing"),
+        (F4E + MAT + RUN, "units is missing"),
+        (INCHES + FULL.replace('"18.024 kip/ft"', "-1") + MAT + RUN, "15: .*gears.0.: stiff"),
+        (INCHES + F4E + MAT + 'gears = ["noze"]\n' + RUN, "did you mean 'nose'"),
+        (INCHES + F4E + MAT + RUN + "damping_input = 1\n", "11: run: damping_input = 1 is not"),
+        (INCHES + MAT + RUN, "either .aircraft. or .single_dof."),
+        ("a = \n", "line 1"),
+    ],
+)  # fmt: skip
+def test_faults_are_named_with_their_place(tmp_path: Path, text: str, said: str) -> None:
+    with pytest.raises(rm.InputError, match=said.replace("[0]", r"\[0\]")):
+        read(tmp_path, text)

@@ -34,7 +34,7 @@ def test_without_units_nothing_is_scaled_or_named() -> None:
 
 def test_profile() -> None:
     axes = rm.Profile.full_mat().plot(ax=Figure().subplots(), units=INCHES)
-    np.testing.assert_array_equal(axes.get_lines()[0].get_xdata(), [0, 12, 918, 930])
+    np.testing.assert_array_equal(axes.get_lines()[0].get_xdata(), [-93, 0, 12, 918, 930, 1023])
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("station [in]", "elevation [in]")
 
 

@@ -81,7 +81,9 @@ def loads_over_profile(
         _static(panel, first.static_load[column] / scale, "0.35", "static")
         panel.set_ylabel(f"{label} load{unit}")
         _legend(panel, len(responses) + 1)
-    plot_elevations(first, gears, axes[-1], units, against)
+    # With distance the tracks are the same for all; the longest run shows most of them.
+    longest = max(responses.values(), key=lambda response: float(getattr(response, against)[-1]))
+    plot_elevations(longest, gears, axes[-1], units, against)
     ends = [getattr(response, against)[[0, -1]] for response in responses.values()]
     axes[-1].set_xlim(min(e[0] for e in ends), max(e[1] for e in ends))
     if title:
@@ -141,7 +143,11 @@ def plot_elevations(
 def plot_profile(profile: Profile, ax: Axes | None, units: Units | None) -> Axes:
     """Draw what `Profile.plot` documents."""
     ax = ax or _axes()
-    ax.plot(profile.x, profile.z, "k", lw=1.1)
+    x, z = profile.x, profile.z
+    # The runway goes on, level, on both sides.
+    beyond = 0.1 * (x[-1] - x[0]) or 1.0
+    stations = np.concatenate([[x[0] - beyond], x, [x[-1] + beyond]])
+    ax.plot(stations, np.concatenate([z[:1], z, z[-1:]]), "k", lw=1.1)
     unit = f" [{units.length}]" if units else ""
     ax.set_xlabel(f"station{unit}")
     ax.set_ylabel(f"elevation{unit}")

@@ -84,7 +84,7 @@ def _example(_: argparse.Namespace) -> None:
 def _report(parsed: argparse.Namespace) -> None:
     from . import report1980
 
-    print(report1980.write_page(parsed.out))  # type: ignore[attr-defined]
+    print(report1980.write_page(parsed.out))
 
 
 def _run(parsed: argparse.Namespace) -> None:

@@ -44,6 +44,7 @@ def main(arguments: list[str] | None = None) -> None:
     print("\n".join(lines(responses)))
     if options.figure:
         from runway_modal.plotting import loads_over_profile
+        from runway_modal.units import Units
 
         loads_over_profile(
             {
@@ -52,5 +53,6 @@ def main(arguments: list[str] | None = None) -> None:
             },
             {"nose": "Nose gear", "left": "Main gear"},
             "F-4E, full AM-2 mat, 20 kt: gear loads over the profile",
+            units=Units("in", "lbf"),
         ).savefig(options.figure, dpi=110)
         print(f"\nFigure: {options.figure}")

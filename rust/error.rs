@@ -91,6 +91,15 @@ pub enum Error {
     /// A result overflowed.
     #[error("{quantity} left the range of double precision by time {time:?}")]
     Overflow { quantity: &'static str, time: f64 },
+    /// A search that would take more runs than allowed.
+    #[error(
+        "tolerance = {tolerance:?} is not reached within max_runs: after {runs} runs the worst value lies \
+         between {value:?}, found at speed {speed:?}, and {bound:?}"
+    )]
+    Unresolved { tolerance: f64, runs: usize, value: f64, speed: f64, bound: f64 },
+    /// The bound on speeds not tried knows no dampers' input.
+    #[error("damping_input is on: the worst speed is bounded without the dampers' input only")]
+    DampedInput,
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,

@@ -37,6 +37,9 @@
 //! | [`readout`] | loads, motions and accelerations as linear forms of the state |
 //! | [`sample`] | rows of results at the default times or at any |
 //! | [`extremes`] | true maxima and minima between samples |
+//! | `parallel` | independent pieces of work on all threads |
+//! | [`sweep`] | one runway at many speeds |
+//! | [`worst`] | the worst speed of a range, with a bound on all others |
 //! | `python` | the only file that names Python, behind the feature `python` |
 //!
 //! ```
@@ -71,6 +74,7 @@ mod knots;
 pub mod lanes;
 mod march;
 pub mod modes;
+mod parallel;
 mod path;
 pub mod profile;
 #[cfg(feature = "python")]
@@ -78,5 +82,7 @@ mod python;
 pub mod readout;
 pub mod run;
 pub mod sample;
+pub mod sweep;
 pub mod transition;
 pub mod watch;
+pub mod worst;

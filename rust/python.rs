@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
-use numpy::ndarray::ArrayView1;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2};
+use numpy::ndarray::{Array3, ArrayView1};
+use numpy::{
+    PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2,
+};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
 use pyo3::prelude::*;
@@ -14,7 +16,8 @@ use crate::error::{Error, Result};
 use crate::extremes::Extreme;
 use crate::readout::Quantity;
 use crate::watch::Pulse;
-use crate::{modes, profile, run};
+use crate::worst::{Range, Target};
+use crate::{modes, profile, run, sweep};
 
 create_exception!(
     runway_modal,
@@ -318,6 +321,65 @@ impl Run {
     }
 }
 
+#[pyclass(frozen, module = "runway_modal._core")]
+struct Course(sweep::Course);
+
+/// Loads and accelerations: see [`Course::sweep`].
+type Sweeps<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray3<f64>>);
+
+#[pymethods]
+impl Course {
+    #[new]
+    fn new(modes: &Modes, profiles: Vec<Py<Profile>>, damping_input: bool) -> Self {
+        let profiles = profiles.iter().map(|profile| Arc::clone(&profile.get().0)).collect();
+        Self(sweep::Course { modes: Arc::clone(&modes.0), profiles, damping_input })
+    }
+
+    /// Loads: max, time of max, min, time of min; a row a speed, a column a gear. Accelerations:
+    /// largest magnitude and its time; a row a station, a column a speed.
+    fn sweep<'py>(
+        &self,
+        py: Python<'py>,
+        speeds: PyReadonlyArray1<f64>,
+        stations: PyReadonlyArray2<f64>,
+    ) -> PyResult<Sweeps<'py>> {
+        let speeds = speeds.as_slice()?;
+        let quantities = [Quantity::Load, Quantity::Acceleration(points(&stations))];
+        let found = detached(py, |pulse| self.0.sweep(speeds, &quantities, pulse))?;
+        let gears = self.0.modes.aircraft().gears().len();
+        let part = |e: &Extreme, part| [e.max, e.time_of_max, e.min, e.time_of_min][part];
+        let loads = Array3::from_shape_fn((4, speeds.len(), gears), |(p, s, g)| part(&found[s][g], p));
+        let pair = |e: &Extreme, part| <[f64; 2]>::from(e.magnitude())[part];
+        let shape = (2, stations.as_array().nrows(), speeds.len());
+        let accelerations = Array3::from_shape_fn(shape, |(p, a, s)| pair(&found[s][gears + a], p));
+        Ok((PyArray3::from_owned_array(py, loads), PyArray3::from_owned_array(py, accelerations)))
+    }
+
+    /// Speed, value, bound, runs. `quantity`: "max_load" or "min_load" of gear number `gear`, or
+    /// "max_acceleration" at `point`.
+    #[expect(clippy::too_many_arguments, reason = "a Python signature")]
+    fn worst(
+        &self,
+        py: Python,
+        quantity: &str,
+        gear: usize,
+        point: (f64, f64),
+        speeds: (f64, f64),
+        tolerance: f64,
+        max_runs: usize,
+    ) -> PyResult<(f64, f64, f64, usize)> {
+        let target = match quantity {
+            "max_load" => Target::MaxLoad(gear),
+            "min_load" => Target::MinLoad(gear),
+            "max_acceleration" => Target::MaxAcceleration(point.0, point.1),
+            other => return Err(PyValueError::new_err(format!("no quantity '{other}'"))),
+        };
+        let range = Range { low: speeds.0, high: speeds.1, tolerance, most_runs: max_runs };
+        let worst = detached(py, |pulse| self.0.worst(target, range, pulse))?;
+        Ok((worst.speed, worst.value, worst.bound, worst.runs))
+    }
+}
+
 #[pyfunction]
 fn series(strut: f64, tire: f64) -> PyResult<f64> {
     Ok(aircraft::series(strut, tire)?)
@@ -327,5 +389,5 @@ fn series(strut: f64, tire: f64) -> PyResult<f64> {
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use super::{Aircraft, Gear, InputError, Modes, NumericalError, Profile, Run, series};
+    use super::{Aircraft, Course, Gear, InputError, Modes, NumericalError, Profile, Run, series};
 }

@@ -22,6 +22,10 @@ pub enum Quantity {
     Load,
     /// Vertical acceleration at points (x, y) of the body.
     Acceleration(Vec<(f64, f64)>),
+    /// Accelerations of the modal coordinates, without the dampers' input.
+    ModalAcceleration,
+    /// Rates of the modal coordinates.
+    ModalRate,
 }
 
 /// One output as a linear form of state, rates of elevation and elevations.
@@ -86,6 +90,13 @@ impl Form {
         form
     }
 
+    /// A form of one mode alone, by its weights of d and v.
+    fn modal(run: &Run, lane: usize, d: f64, v: f64) -> Self {
+        let mut form = Self::zero(run);
+        (form.d[lane], form.v[lane]) = (d, v);
+        form
+    }
+
     /// k (u − gear displacement) + static load, and the damper's force where its input is kept.
     fn load(run: &Run, gear: usize) -> Self {
         let aircraft = run.modes.aircraft();
@@ -132,6 +143,18 @@ impl Form {
             Quantity::Load => (0..gears.len()).map(|gear| Self::load(run, gear)).collect(),
             Quantity::Acceleration(points) => {
                 points.iter().map(|&(x, y)| Self::acceleration(run, Vector3::new(1.0, x, y))).collect()
+            }
+            Quantity::ModalAcceleration => {
+                let bank = &run.oscillators;
+                let one = |lane| {
+                    let stiffness = bank.omega[lane] * bank.omega[lane];
+                    Self::modal(run, lane, -stiffness, -stiffness * bank.two_zeta[lane])
+                };
+                (0..run.modes.omega().len()).map(one).collect()
+            }
+            Quantity::ModalRate => {
+                let one = |lane| Self::modal(run, lane, 0.0, run.oscillators.omega[lane]);
+                (0..run.modes.omega().len()).map(one).collect()
             }
         }
     }

@@ -52,6 +52,14 @@ fn lag(front: f64, x: f64, profile: &Profile) -> Distance {
     if exact.minus(rounded).abs() <= HARMLESS * profile.finest() { rounded } else { exact }
 }
 
+/// Refuses a speed that is not positive or whose powers leave the range of double precision.
+pub(crate) fn check_speed(place: Place, speed: f64) -> Result<f64> {
+    if !(1e-100..1e100).contains(&positive(place, speed)?) {
+        return Err(Error::OutOfRange { place, value: speed, why: "1e-100 to 1e100 is allowed" });
+    }
+    Ok(speed)
+}
+
 /// The default time points of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
@@ -91,11 +99,7 @@ impl Run {
         speed: f64,
         damping_input: bool,
     ) -> Result<Self> {
-        positive("speed", speed)?;
-        if !(1e-100..1e100).contains(&speed) {
-            let place = Place::from("speed");
-            return Err(Error::OutOfRange { place, value: speed, why: "1e-100 to 1e100 is allowed" });
-        }
+        check_speed("speed".into(), speed)?;
         let aircraft = modes.aircraft();
         let gears = aircraft.gears();
         if profiles.len() != gears.len() {
@@ -187,6 +191,22 @@ impl Run {
         };
         self.check_span(Place::at("times", 0), *first)?;
         self.check_span(Place::at("times", times.len() - 1), *last)
+    }
+
+    /// Default span of time: from 0 or the first knot until 5 time units after the last gear has
+    /// passed the last knot.
+    ///
+    /// # Errors
+    /// A span too long for a phase to have digits.
+    pub fn span(&self) -> Result<(f64, f64)> {
+        let end = self.last_knot().max(0.0) + AFTER_LAST_KNOT;
+        self.check_span("speed", end)?;
+        Ok((self.first_knot().min(0.0), end))
+    }
+
+    /// Distance rolled from the beginning of the default span until nothing more happens.
+    pub(crate) fn distance(&self) -> f64 {
+        (self.last_knot().max(0.0) - self.first_knot().min(0.0)) * self.speed
     }
 
     /// Default time points: every knot of every gear, both sides of a vertical step, and enough

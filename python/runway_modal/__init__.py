@@ -12,6 +12,7 @@ from .profile_csv import read_csv, write_csv
 from .profile_erd import read_erd, write_erd
 from .response import Extremes, Response
 from .simulate import simulate
+from .sweep import Sweep, WorstSpeed, sweep, worst_speed
 from .units import knots
 
 __all__ = [
@@ -23,6 +24,8 @@ __all__ = [
     "NumericalError",
     "Profile",
     "Response",
+    "Sweep",
+    "WorstSpeed",
     "equivalent_stiffness",
     "f4e",
     "knots",
@@ -30,6 +33,8 @@ __all__ = [
     "read_erd",
     "simulate",
     "single_dof",
+    "sweep",
+    "worst_speed",
     "write_csv",
     "write_erd",
 ]

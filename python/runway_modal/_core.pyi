@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Aircraft",
+    "Course",
     "Gear",
     "InputError",
     "Modes",
@@ -99,3 +100,19 @@ class Run:
     def extremes(
         self, stations: NDArray[np.float64], begin: float, end: float
     ) -> tuple[NDArray[np.float64], list[tuple[float, float]]]: ...
+
+@final
+class Course:
+    def __new__(cls, modes: Modes, profiles: list[Profile], damping_input: bool) -> Course: ...
+    def sweep(
+        self, speeds: NDArray[np.float64], stations: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+    def worst(
+        self,
+        quantity: str,
+        gear: int,
+        point: tuple[float, float],
+        speeds: tuple[float, float],
+        tolerance: float,
+        max_runs: int,
+    ) -> tuple[float, float, float, int]: ...

@@ -1,0 +1,324 @@
+"""One aircraft meets one runway at many speeds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from . import _core
+from ._core import InputError
+from ._input import array, number, read_only
+from .modes import Modes
+from .simulate import _by_gear
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from .profile import Profile
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sweep:
+    """
+    True extremes of a response, speed by speed, between samples too.
+
+    `sweep` makes it. `runway_modal.plotting_sweep` draws it.
+
+    Parameters
+    ----------
+    modes : Modes
+        The modes of all runs.
+    speed : ndarray, shape (s,)
+        Ground speeds, in the order given [length/time].
+    max_load : ndarray, shape (s, g)
+        Largest compression load of each gear [force].
+    time_of_max : ndarray, shape (s, g)
+        When it occurs [time].
+    min_load : ndarray, shape (s, g)
+        Smallest compression load of each gear; ≤ 0 where the gear unloads [force].
+    time_of_min : ndarray, shape (s, g)
+        When it occurs [time].
+    max_acceleration : dict of str to ndarray, shape (s,)
+        Largest magnitude of vertical acceleration at each station [length/time²].
+    time_of_max_acceleration : dict of str to ndarray, shape (s,)
+        When it occurs [time].
+
+    Examples
+    --------
+    >>> import runway_modal as rm
+    >>> sweep = rm.sweep(rm.f4e().modes(0.01), rm.Profile.full_mat(), [200.0, 400.0, 800.0])
+    >>> sweep.max_load.shape
+    (3, 3)
+    """
+
+    modes: Modes
+    speed: NDArray[np.float64]
+    max_load: NDArray[np.float64]
+    time_of_max: NDArray[np.float64]
+    min_load: NDArray[np.float64]
+    time_of_min: NDArray[np.float64]
+    max_acceleration: dict[str, NDArray[np.float64]]
+    time_of_max_acceleration: dict[str, NDArray[np.float64]]
+
+    @property
+    def static_load(self) -> NDArray[np.float64]:
+        """Compression load of each gear in equilibrium on a level runway, shape (g,) [force]."""
+        return self.modes.aircraft.static_load
+
+    @property
+    def unloaded(self) -> NDArray[np.bool_]:
+        """
+        Whether each gear's load reaches zero, shape (s, g).
+
+        Past that the linear model, in which a gear may pull on the runway, no longer holds.
+        """
+        return self.min_load <= 0.0
+
+    def __repr__(self) -> str:
+        """Span and size."""
+        gears = ", ".join(self.modes.aircraft.gear_names)
+        if not self.speed.size:
+            return f"<Sweep: no speeds, gears {gears}>"
+        low, high = self.speed.min(), self.speed.max()
+        return f"<Sweep: {self.speed.size} speeds from {low:g} to {high:g}, gears {gears}>"
+
+
+def sweep(
+    modes: Modes,
+    tracks: Profile | Mapping[str, Profile],
+    speeds: ArrayLike,
+    *,
+    damping_input: bool = False,
+) -> Sweep:
+    """
+    Roll an aircraft over one runway at many speeds; the true extremes of each run.
+
+    Speeds are shared among all processor cores (``RAYON_NUM_THREADS`` sets how many threads);
+    no response is kept. The numbers are those of ``simulate(modes, tracks, v).extremes()``, to
+    the last bit, on any number of threads.
+
+    Parameters
+    ----------
+    modes : Modes
+        From `Aircraft.modes`, `Modes` or `single_dof`.
+    tracks : Profile or mapping of str to Profile
+        One profile for every gear, or profiles by gear name; gears left out run on the level.
+    speeds : array_like, shape (s,)
+        Ground speeds, each constant over its run, > 0, in any order [length/time].
+    damping_input : bool
+        As for `simulate`.
+
+    Returns
+    -------
+    Sweep
+        Extremes of loads and accelerations, a row a speed.
+
+    Raises
+    ------
+    InputError
+        If an argument is of the wrong kind or out of range, or a gear name is unknown.
+    NumericalError
+        If a result leaves the range of double precision.
+
+    See Also
+    --------
+    worst_speed : The worst speed of a range, to a tolerance.
+
+    Notes
+    -----
+    Each run lasts from 0 or the first breakpoint until 5 after the last gear has passed the last
+    breakpoint [time], as by default in `simulate`.
+
+    Examples
+    --------
+    The full mat from 5 to 100 knots. At which of them does the left gear take most?
+
+    >>> import numpy as np
+    >>> import runway_modal as rm
+    >>> modes, mat = rm.f4e().modes(0.01), rm.Profile.full_mat()
+    >>> knots = np.arange(5.0, 100.0, 0.25)
+    >>> sweep = rm.sweep(modes, mat, knots * rm.knots(1.0))
+    >>> float(knots[sweep.max_load[:, 1].argmax()])
+    58.0
+
+    A sweep over the gap between two bumps is a loop over profiles, at as many speeds as wanted:
+
+    >>> bump = rm.Profile.mat(120.0)
+    >>> gaps = [0.0, 120.0, 240.0, 360.0, 480.0]
+    >>> pairs = [rm.Profile.sequence([bump, bump], gap) for gap in gaps]
+    >>> worst = [rm.sweep(modes, pair, [rm.knots(40)]).max_load[0, 1] for pair in pairs]
+    >>> gaps[int(np.argmax(worst))]
+    240.0
+    """
+    course = _course(modes, tracks, damping_input)
+    speed = array("speeds", speeds).copy()
+    stations = modes.aircraft.stations
+    loads, accelerations = course.sweep(speed, np.array(list(stations.values())))
+    max_load, time_of_max, min_load, time_of_min = read_only(loads)
+    magnitude, time_of_magnitude = read_only(accelerations)
+    return Sweep(
+        modes=modes,
+        speed=read_only(speed),
+        max_load=max_load,
+        time_of_max=time_of_max,
+        min_load=min_load,
+        time_of_min=time_of_min,
+        max_acceleration=dict(zip(stations, magnitude, strict=True)),
+        time_of_max_acceleration=dict(zip(stations, time_of_magnitude, strict=True)),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorstSpeed:
+    """
+    The worst speed of a range, and what no speed of the range exceeds.
+
+    `worst_speed` makes it.
+
+    Parameters
+    ----------
+    speed : float
+        A speed at which `value` occurs [length/time].
+    value : float
+        The worst value found, the true extreme of the run at `speed`.
+    bound : float
+        No speed of the range gives a worse value than this; within the tolerance of `value`.
+    runs : int
+        Runs that it took.
+
+    Examples
+    --------
+    >>> import runway_modal as rm
+    >>> modes, mat = rm.f4e().modes(0.01), rm.Profile.full_mat()
+    >>> worst = rm.worst_speed(modes, mat, (300, 500), at="left", tolerance=50.0)
+    >>> worst.value <= worst.bound <= worst.value + 50.0
+    True
+    """
+
+    speed: float
+    value: float
+    bound: float
+    runs: int
+
+
+def worst_speed(
+    modes: Modes,
+    tracks: Profile | Mapping[str, Profile],
+    speeds: Sequence[float],
+    quantity: Literal["max_load", "min_load", "max_acceleration"] = "max_load",
+    *,
+    at: str,
+    tolerance: float,
+    max_runs: int = 100_000,
+) -> WorstSpeed:
+    """
+    Find the worst speed of a range; every other is proven no worse, within a tolerance.
+
+    An extreme as a function of speed has many local maxima with corners between them, so no grid
+    of speeds is known to be dense enough. Here each run also bounds what speeds near its own can
+    do, and speeds are tried until the bound on all the range is within `tolerance` of the worst
+    value found.
+
+    Parameters
+    ----------
+    modes : Modes
+        From `Aircraft.modes`, `Modes` or `single_dof`.
+    tracks : Profile or mapping of str to Profile
+        One profile for every gear, or profiles by gear name; gears left out run on the level.
+    speeds : (float, float)
+        Lowest and highest speed, > 0 [length/time].
+    quantity : {"max_load", "min_load", "max_acceleration"}
+        What is to be worst: the largest load of a gear, its smallest, or the largest magnitude
+        of vertical acceleration at a station.
+    at : str
+        Name of the gear or the station.
+    tolerance : float
+        How much worse than the value found a speed not tried may be, > 0 [unit of the quantity].
+    max_runs : int
+        No more runs than this, at least 100.
+
+    Returns
+    -------
+    WorstSpeed
+        The speed, its value and the bound on all others.
+
+    Raises
+    ------
+    InputError
+        If an argument is of the wrong kind or out of range, a name is unknown, or `tolerance` is
+        not reached within `max_runs`; the message tells what was found and its bound.
+    NumericalError
+        If a result leaves the range of double precision.
+
+    Notes
+    -----
+    *Guaranteed*: with the extremes that `sweep` gives, every speed of the range has a value no
+    worse than `bound`, and ``|bound - value| <= tolerance``. *Not guaranteed*: that `speed` is near
+    the worst speed, if another speed does the same within the tolerance; and rounding, some 1e-12
+    of the peak.
+
+    Why: with p₀ the response of a mode (Eq. 12) at speed V₀ and p that at V = ρV₀, the difference
+    w = p - p₀ at one station obeys ẅ + 2ζωẇ + ω²w = -(ρ² - 1) p̈₀ - 2ζω(ρ - 1) ṗ₀. The runway has
+    gone from it: the largest |p̈₀| and |ṗ₀| of one run and the integral of the impulse response
+    bound w while the gears are on the profile, and a free motion does not grow afterwards. The
+    report's form of the ground input is taken (Eqs. 17-18), without the gears' dampers.
+
+    The number of runs grows with the length of the profile in periods up to about 1/(2ζ) of them,
+    and as 1/√tolerance when that is small.
+
+    Examples
+    --------
+    The left gear's largest load over the full mat, 5 to 100 knots, to 100 lbf:
+
+    >>> import runway_modal as rm
+    >>> modes, mat = rm.f4e().modes(0.01), rm.Profile.full_mat()
+    >>> limits = rm.knots(5), rm.knots(100)
+    >>> worst = rm.worst_speed(modes, mat, limits, at="left", tolerance=100.0)
+    >>> round(worst.speed / rm.knots(1), 1)
+    57.9
+    """
+    course = _course(modes, tracks, False)
+    low, high = _limits(speeds)
+    aircraft = modes.aircraft
+    quantities = ("max_load", "min_load", "max_acceleration")
+    if quantity not in quantities:
+        raise InputError(f"quantity = {quantity!r} is none of {', '.join(quantities)}")
+    loads = quantity != "max_acceleration"
+    names = aircraft.gear_names if loads else tuple(aircraft.stations)
+    if at not in names:
+        raise InputError(
+            f"at = {at!r}: no such {'gear' if loads else 'station'}; there are {names}"
+        )
+    gear, point = (names.index(at), (0.0, 0.0)) if loads else (0, aircraft.stations[at])
+    most = number("max_runs", max_runs)
+    if not 100 <= most <= 2**53:
+        raise InputError(f"max_runs = {max_runs!r} is not between 100 and 2**53")
+    speed, value, bound, runs = course.worst(
+        quantity, gear, point, (low, high), number("tolerance", tolerance), int(most)
+    )
+    return WorstSpeed(speed=speed, value=value, bound=bound, runs=runs)
+
+
+def _course(
+    modes: Modes, tracks: Profile | Mapping[str, Profile], damping_input: bool
+) -> _core.Course:
+    if not isinstance(modes, Modes):
+        raise InputError(f"modes = {modes!r} is not a Modes; see Aircraft.modes")
+    if not isinstance(damping_input, bool | np.bool_):
+        raise InputError(f"damping_input = {damping_input!r} is not True or False")
+    profiles = [profile._core for profile in _by_gear(modes.aircraft.gear_names, tracks)]
+    return _core.Course(modes._core, profiles, bool(damping_input))
+
+
+def _limits(speeds: Sequence[float]) -> tuple[float, float]:
+    limits = array("speeds", speeds)
+    if limits.shape != (2,):
+        raise InputError(f"speeds has {limits.size} entries, (lowest, highest) expected")
+    low, high = limits.tolist()
+    if low > high:
+        raise InputError(f"speeds = ({low!r}, {high!r}): the lowest comes first")
+    return low, high

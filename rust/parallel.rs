@@ -1,0 +1,94 @@
+//! Independent pieces of work on all threads, under one watch.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::error::{Error, Result};
+use crate::watch::Pulse;
+
+/// Between two questions to the caller.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// This process's threads. Not rayon's global ones: a forked process (Python's multiprocessing)
+/// inherits their names but not the threads, and would wait for them for ever.
+fn threads() -> Arc<ThreadPool> {
+    static THREADS: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+    let process = std::process::id();
+    let mut kept = THREADS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, pool)) = kept.as_ref().filter(|(owner, _)| *owner == process) {
+        return Arc::clone(pool);
+    }
+    let pool = Arc::new(ThreadPoolBuilder::new().build().expect("the system gives threads"));
+    // What was inherited has no threads to end.
+    std::mem::forget(kept.replace((process, Arc::clone(&pool))));
+    pool
+}
+
+/// Results of `work` for 0, 1, … `count` − 1, in that order; of several errors the first in that
+/// order, whichever thread met it. This thread asks `pulse` while others work.
+///
+/// # Errors
+/// What `work` or `pulse` gives.
+pub(crate) fn map<T: Send>(
+    count: usize,
+    pulse: Pulse,
+    work: impl Fn(usize, Pulse) -> Result<T> + Sync,
+) -> Result<Vec<T>> {
+    let stop = AtomicBool::new(false);
+    let go_on = || if stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) };
+    let one = |index| go_on().and_then(|()| work(index, &mut || go_on()));
+    let (done, wait) = channel();
+    threads().in_place_scope(|scope| {
+        let all = &one;
+        scope.spawn(move |_| {
+            let results: Vec<Result<T>> = (0..count).into_par_iter().map(all).collect();
+            // Nobody waits any more only if this scope is already unwinding.
+            let _ = done.send(results);
+        });
+        let mut asked = Ok(());
+        loop {
+            match wait.recv_timeout(PATIENCE) {
+                Ok(results) => return asked.and_then(|()| results.into_iter().collect()),
+                Err(RecvTimeoutError::Timeout) => {
+                    if asked.is_ok() {
+                        asked = pulse();
+                        stop.store(asked.is_err(), Ordering::Relaxed);
+                    }
+                }
+                // A panic in `work`, which the scope passes on.
+                Err(RecvTimeoutError::Disconnected) => return Err(Error::Interrupted),
+            }
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_come_in_order_and_the_first_error_counts() {
+        let square = |i: usize, _: Pulse| Ok(i * i);
+        assert_eq!(map(1000, &mut || Ok(()), square).unwrap(), (0..1000).map(|i| i * i).collect::<Vec<_>>());
+        let fails = |i: usize, _: Pulse| -> Result<usize> {
+            if i % 10 == 7 { Err(Error::NotConverged { iterations: i }) } else { Ok(i) }
+        };
+        assert_eq!(map(1000, &mut || Ok(()), fails), Err(Error::NotConverged { iterations: 7 }));
+    }
+
+    #[test]
+    fn the_caller_can_stop_it() {
+        let for_ever = |_: usize, pulse: Pulse| -> Result<()> {
+            loop {
+                pulse()?;
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        };
+        assert_eq!(map(8, &mut || Err(Error::Interrupted), for_ever), Err(Error::Interrupted));
+    }
+}

@@ -1,0 +1,45 @@
+//! One aircraft, one runway, many speeds.
+
+use std::sync::Arc;
+
+use crate::error::{Place, Result};
+use crate::extremes::Extreme;
+use crate::modes::Modes;
+use crate::parallel;
+use crate::profile::Profile;
+use crate::readout::Quantity;
+use crate::run::{Run, check_speed};
+use crate::watch::Pulse;
+
+/// All of a run but its speed.
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// The modes.
+    pub modes: Arc<Modes>,
+    /// One profile a gear, in the aircraft's order.
+    pub profiles: Vec<Arc<Profile>>,
+    /// Whether the gears' dampers take part in the ground input and the loads.
+    pub damping_input: bool,
+}
+
+impl Course {
+    /// The run at a speed.
+    pub(crate) fn at(&self, speed: f64) -> Result<Run> {
+        Run::new(Arc::clone(&self.modes), &self.profiles, speed, self.damping_input)
+    }
+
+    /// True extremes of each quantity over the default span of time, speed by speed: a list a
+    /// speed, the numbers of [`Run::extremes`]. Speeds are shared among threads.
+    ///
+    /// # Errors
+    /// A speed out of range, an overflow, or what `pulse` gives.
+    pub fn sweep(&self, speeds: &[f64], quantities: &[Quantity], pulse: Pulse) -> Result<Vec<Vec<Extreme>>> {
+        for (i, &speed) in speeds.iter().enumerate() {
+            check_speed(Place::at("speeds", i), speed)?;
+        }
+        parallel::map(speeds.len(), pulse, |i, pulse| {
+            let run = self.at(speeds[i])?;
+            run.extremes(quantities, run.span()?, pulse)
+        })
+    }
+}

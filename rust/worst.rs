@@ -1,0 +1,345 @@
+//! The worst speed of a range, with a bound that no speed of the range exceeds.
+//!
+//! Where a gear stands on the runway, s, its elevation does not depend on speed. With p(s) the
+//! response at speed V and p₀(s) that at V₀, V = ρV₀, of a mode without dampers' input (Eq. 12),
+//! w = p − p₀ obeys, in the time of V,
+//!
+//!   ẅ + 2ζω ẇ + ω² w = −(ρ² − 1) p̈₀ − 2ζω (ρ − 1) ṗ₀,   w = ẇ = 0 at the start,
+//!
+//! whatever the runway: its elevations have gone. With |ρ − 1| ≤ e, A = max |p̈₀|, B = max |ṗ₀| the
+//! right side is at most f = e(2 + e) A + 2ζω e B, so until the last gear has passed the last
+//! knot |w| ≤ f ∫|h| and |ẇ| ≤ f ∫|ḣ|, h the impulse response. Over n half-periods, each e^−a
+//! times the one before (a = πζ/√(1 − ζ²)), with D = 1 + e^−a + … + e^−(n−1)a,
+//!
+//!   ∫|h| = (1 + e^−a) D ÷ ω²,   ∫|ḣ| ≤ 2D ÷ ω;   for ζ ≥ 1 the same with e^−a = 0, D = 1.
+//!
+//! After the last knot both are compared at the same time after it: they differ by w in place and
+//! by ẇ + (ρ − 1) ṗ₀ in rate, and √(p² + ṗ²/ω²) of a free motion never grows. So
+//!
+//!   r = √[(f ∫|h|)² + (f ∫|ḣ| + eB)² ÷ ω²]
+//!
+//! bounds the mode's difference all along; that of a load k(u − u_g) is at most Σ k|φ_g| r, that of
+//! an acceleration Σ |φ| ω²√(1 + 4ζ²) r. Hence one run tells what no speed near its own can exceed.
+//!
+//! Cells of the range, each with a run at its middle, are cut in three (the middle keeps its run)
+//! until none can hold more than the largest value found and the tolerance.
+
+use nalgebra::Vector3;
+
+use crate::error::{Error, Place, Result, not_negative, positive};
+use crate::extremes::Extreme;
+use crate::modes::Modes;
+use crate::parallel;
+use crate::readout::Quantity;
+use crate::run::{Run, check_speed};
+use crate::sweep::Course;
+use crate::watch::Pulse;
+
+/// Cells to begin with: enough for all threads.
+const CELLS: usize = 64;
+
+/// What is to be largest, or smallest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// Largest load of a gear.
+    MaxLoad(usize),
+    /// Smallest load of a gear.
+    MinLoad(usize),
+    /// Largest magnitude of vertical acceleration at a point (x, y) of the body.
+    MaxAcceleration(f64, f64),
+}
+
+/// Where to look and how closely.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Lowest speed.
+    pub low: f64,
+    /// Highest speed.
+    pub high: f64,
+    /// How much worse a speed not tried may be.
+    pub tolerance: f64,
+    /// No more runs than this beyond the first 66.
+    pub most_runs: usize,
+}
+
+/// The worst speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Worst {
+    /// A speed at which the value occurs.
+    pub speed: f64,
+    /// The worst value found.
+    pub value: f64,
+    /// No speed of the range has a worse value than this.
+    pub bound: f64,
+    /// Runs that it took.
+    pub runs: usize,
+}
+
+impl Target {
+    fn quantity(self) -> Quantity {
+        match self {
+            Self::MaxLoad(_) | Self::MinLoad(_) => Quantity::Load,
+            Self::MaxAcceleration(x, y) => Quantity::Acceleration(vec![(x, y)]),
+        }
+    }
+
+    /// Where the quantity's extreme stands, and how many the quantity has.
+    fn place(self, gears: usize) -> (usize, usize) {
+        match self {
+            Self::MaxLoad(gear) | Self::MinLoad(gear) => (gear, gears),
+            Self::MaxAcceleration(..) => (0, 1),
+        }
+    }
+
+    /// A number that is larger where things are worse: sign × value.
+    fn sign(self) -> f64 {
+        if matches!(self, Self::MinLoad(_)) { -1.0 } else { 1.0 }
+    }
+
+    fn worse(self, extreme: &Extreme) -> f64 {
+        match self {
+            Self::MaxLoad(_) => extreme.max,
+            Self::MinLoad(_) => -extreme.min,
+            Self::MaxAcceleration(..) => extreme.magnitude().0,
+        }
+    }
+
+    /// Change of the target per r of each mode, at most.
+    fn weights(self, modes: &Modes) -> Vec<f64> {
+        let gears = modes.aircraft().gears();
+        let each = modes.shapes().iter().zip(modes.omega()).zip(modes.damping_ratio());
+        each.map(|((shape, omega), zeta)| match self {
+            Self::MaxLoad(gear) | Self::MinLoad(gear) => {
+                (gears[gear].stiffness * gears[gear].row().dot(shape)).abs()
+            }
+            Self::MaxAcceleration(x, y) => {
+                let travel = Vector3::new(1.0, x, y).dot(shape).abs();
+                travel * omega * omega * (1.0 + 4.0 * zeta * zeta).sqrt()
+            }
+        })
+        .collect()
+    }
+}
+
+/// What a run says about the speeds around its own.
+#[derive(Clone, Debug)]
+struct Trial {
+    speed: f64,
+    /// Sign × the target's value.
+    worse: f64,
+    /// Largest |p̈| and |ṗ| of each mode.
+    motion: Vec<(f64, f64)>,
+    /// Distance rolled until nothing more happens.
+    distance: f64,
+}
+
+impl Trial {
+    fn new(run: &Run, target: Target, pulse: Pulse) -> Result<Self> {
+        let span = run.span()?;
+        let quantities = [target.quantity(), Quantity::ModalAcceleration, Quantity::ModalRate];
+        let found = run.extremes(&quantities, span, pulse)?;
+        let (place, count) = target.place(run.modes().aircraft().gears().len());
+        let (accelerations, rates) = found[count..].split_at(run.modes().omega().len());
+        let motion = accelerations.iter().zip(rates).map(|(a, r)| (a.magnitude().0, r.magnitude().0));
+        let worse = target.worse(&found[place]);
+        Ok(Self { speed: run.speed(), worse, motion: motion.collect(), distance: run.distance() })
+    }
+
+    /// What no speed within `half` of this one exceeds.
+    fn bound(&self, half: f64, modes: &Modes, weights: &[f64]) -> f64 {
+        let e = half / self.speed;
+        let time = self.distance / (self.speed - half);
+        let each = modes.omega().iter().zip(modes.damping_ratio()).zip(&self.motion).zip(weights);
+        let change = each.map(|(((&omega, &zeta), &(a, b)), weight)| {
+            let (next, sum) = half_periods(omega * time, zeta);
+            let force = e * (2.0 + e) * a + 2.0 * zeta * omega * e * b;
+            let place = force * (1.0 + next) * sum / omega / omega;
+            let rate = force * 2.0 * sum / omega + e * b;
+            weight * place.hypot(rate / omega)
+        });
+        self.worse + change.sum::<f64>()
+    }
+}
+
+/// e^−a and D for so many radians.
+fn half_periods(radians: f64, zeta: f64) -> (f64, f64) {
+    if zeta >= 1.0 {
+        return (0.0, 1.0);
+    }
+    let damped = (1.0 - zeta * zeta).sqrt();
+    let count = (radians * damped / std::f64::consts::PI).ceil();
+    let a = std::f64::consts::PI * zeta / damped;
+    let sum = if zeta > 0.0 { libm::expm1(-count * a) / libm::expm1(-a) } else { count };
+    (libm::exp(-a), sum)
+}
+
+/// Speeds from `trial.speed` − `half` to `trial.speed` + `half`.
+#[derive(Clone, Debug)]
+struct Cell {
+    trial: Trial,
+    half: f64,
+    bound: f64,
+}
+
+impl Course {
+    /// The worst speed of a range; the same numbers on any number of threads.
+    ///
+    /// # Errors
+    /// A range out of order, a tolerance that is not positive or asks for too many runs, the
+    /// dampers' input, an overflow, or what `pulse` gives.
+    pub fn worst(&self, target: Target, range: Range, pulse: Pulse) -> Result<Worst> {
+        let Range { low, high, tolerance, most_runs } = range;
+        if self.damping_input {
+            return Err(Error::DampedInput);
+        }
+        check_speed(Place::at("speeds", 0), low)?;
+        check_speed(Place::at("speeds", 1), high)?;
+        not_negative("speeds[1] - speeds[0]", high - low)?;
+        positive("tolerance", tolerance)?;
+        let weights = target.weights(&self.modes);
+        let mut search = Search { course: self, target, weights, best: None, runs: 0 };
+        let first = 0.5 * (high - low) / CELLS as f64;
+        // The ends count too: many a worst speed is one of them.
+        let mut live = search.cells(&[low, high], 0.0, pulse)?;
+        if first > 0.0 {
+            let middles: Vec<f64> = (0..CELLS).map(|i| low + first * (2 * i + 1) as f64).collect();
+            live.extend(search.cells(&middles, first, pulse)?);
+        }
+        // What the cells given up may hold.
+        let mut bound = f64::NEG_INFINITY;
+        loop {
+            let best = search.best.as_ref().map_or(f64::NEG_INFINITY, |(_, worse)| *worse);
+            live.retain(|cell| {
+                let open = cell.bound > best + tolerance;
+                bound = if open { bound } else { bound.max(cell.bound) };
+                open
+            });
+            let speed = search.best.map_or(low, |(speed, _)| speed);
+            let sign = target.sign();
+            let widest = live.iter().fold(bound, |most, cell| most.max(cell.bound)).max(best);
+            let worst = Worst { speed, value: sign * best, bound: sign * widest, runs: search.runs };
+            if live.is_empty() {
+                return Ok(worst);
+            }
+            if search.runs + 2 * live.len() > most_runs {
+                let Worst { speed, value, bound, runs } = worst;
+                return Err(Error::Unresolved { tolerance, runs, value, speed, bound });
+            }
+            live = search.cut(live, pulse)?;
+        }
+    }
+}
+
+struct Search<'a> {
+    course: &'a Course,
+    target: Target,
+    weights: Vec<f64>,
+    /// Speed and value × sign of the worst run so far.
+    best: Option<(f64, f64)>,
+    runs: usize,
+}
+
+impl Search<'_> {
+    /// Runs in the middle of cells.
+    fn cells(&mut self, middles: &[f64], half: f64, pulse: Pulse) -> Result<Vec<Cell>> {
+        let (course, target) = (self.course, self.target);
+        let trials = parallel::map(middles.len(), pulse, |i, pulse| {
+            Trial::new(&course.at(middles[i])?, target, pulse)
+        })?;
+        self.runs += trials.len();
+        for trial in &trials {
+            if self.best.is_none_or(|(_, worse)| trial.worse > worse) {
+                self.best = Some((trial.speed, trial.worse));
+            }
+        }
+        Ok(trials.into_iter().map(|trial| self.cell(trial, half)).collect())
+    }
+
+    fn cell(&self, trial: Trial, half: f64) -> Cell {
+        let bound = trial.bound(half, &self.course.modes, &self.weights);
+        Cell { trial, half, bound }
+    }
+
+    /// Cuts cells of one width in three.
+    fn cut(&mut self, cells: Vec<Cell>, pulse: Pulse) -> Result<Vec<Cell>> {
+        let half = cells[0].half / 3.0;
+        let beside = |cell: &Cell| [cell.trial.speed - 2.0 * half, cell.trial.speed + 2.0 * half];
+        let mut parts = self.cells(&cells.iter().flat_map(beside).collect::<Vec<_>>(), half, pulse)?;
+        parts.extend(cells.into_iter().map(|cell| self.cell(cell.trial, half)));
+        Ok(parts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::aircraft::{Aircraft, Gear, Inertia};
+    use crate::profile::Profile;
+
+    fn course(zeta: f64, profile: Profile) -> Course {
+        let inertia = Inertia { mass: 145.5, pitch: 1.92e6, roll: 6.56e5, gravity: 386.0886 };
+        let gear = |name, x, y, k| Gear::new(name, x, y, k, 0.0).unwrap();
+        let gears = vec![
+            gear("nose", 234.9, 0.0, 1502.0),
+            gear("left", -44.35, 109.25, 9102.0),
+            gear("right", -44.35, -109.25, 9102.0),
+        ];
+        let aircraft = Arc::new(Aircraft::new(inertia, gears).unwrap());
+        let modes = Arc::new(Modes::natural(aircraft, Some(&[zeta])).unwrap());
+        Course { modes, profiles: vec![Arc::new(profile); 3], damping_input: false }
+    }
+
+    #[test]
+    fn a_run_bounds_all_speeds_near_its_own() {
+        let x = vec![0.0, 12.0, 300.0, 300.0, 700.0, 918.0, 930.0];
+        let profile = Profile::new(x, vec![0.0, 1.5, 1.5, 0.5, -1.0, 1.5, 0.0]).unwrap();
+        let targets = [Target::MaxLoad(0), Target::MinLoad(1), Target::MaxAcceleration(200.0, 10.0)];
+        for zeta in [0.0, 0.01, 0.3, 0.99, 1.0, 2.0] {
+            let course = course(zeta, profile.clone());
+            for target in targets {
+                let weights = target.weights(&course.modes);
+                let trial = |speed| Trial::new(&course.at(speed).unwrap(), target, &mut || Ok(())).unwrap();
+                let mut closest = f64::INFINITY;
+                for speed in [90.0, 405.0, 1500.0] {
+                    let here = trial(speed);
+                    for share in [1e-5, 1e-3, 0.03, 0.4] {
+                        let half = share * speed;
+                        let allowed = here.bound(half, &course.modes, &weights) - here.worse;
+                        for part in [-1.0, -0.6, 0.3, 1.0] {
+                            let change = (trial(speed + part * half).worse - here.worse).abs();
+                            assert!(
+                                change <= allowed,
+                                "{target:?} ζ {zeta} {speed} {share}: {change} > {allowed}"
+                            );
+                            closest = closest.min(allowed / change);
+                        }
+                    }
+                }
+                // A bound that allows anything would hold too.
+                assert!(closest < 30.0, "{target:?} ζ {zeta}: {closest}");
+            }
+        }
+    }
+
+    #[test]
+    fn half_periods_sum_the_impulse_response() {
+        for (zeta, radians) in [(0.0, 20.0), (0.01, 7.0), (0.2, 40.0), (1.0, 9.0), (3.0, 50.0)] {
+            let (next, sum) = half_periods(radians, zeta);
+            // ω = 1; h from its recurrence by the trapezoidal rule.
+            let (step, mut h, mut rate) = (1e-4, 0.0_f64, 1.0_f64);
+            let (mut area, mut way) = (0.0, 0.0);
+            for _ in 0..(radians / step) as usize {
+                let middle = (h + 0.5 * step * rate, rate - 0.5 * step * (h + 2.0 * zeta * rate));
+                let (before, now) = (h, h + step * middle.1);
+                rate -= step * (middle.0 + 2.0 * zeta * middle.1);
+                h = now;
+                area += 0.5 * step * (before.abs() + now.abs());
+                way += (now - before).abs();
+            }
+            assert!(area <= (1.0 + next) * sum * (1.0 + 1e-6) && way <= 2.0 * sum, "{zeta}: {area} {way}");
+            assert!(area > 0.6 * (1.0 + next) * sum, "{zeta}: {area}");
+        }
+    }
+}

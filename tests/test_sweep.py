@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import runway_modal as rm
-from runway_modal import plotting_sweep
+from runway_modal.units import Units
 
 KNOT = rm.knots(1.0)
 
@@ -285,19 +285,23 @@ def test_bad_ranges(change: dict[str, object], message: str) -> None:
 def test_figures() -> None:
     figure = pytest.importorskip("matplotlib.figure").Figure()
     top, bottom = figure.subplots(2, 1)
-    sweep = rm.sweep(craft().modes(0.02), PROFILES["full mat"], KNOT * np.arange(5.0, 100.0))
-    assert plotting_sweep.loads(top, sweep, ["left"]) is top
-    assert plotting_sweep.accelerations(bottom, sweep, ["pilot"]) is bottom
+    knots = np.arange(5.0, 100.0)
+    # Drawn in the order of speed, whatever the order of the sweep.
+    sweep = rm.sweep(craft().modes(0.02), PROFILES["full mat"], KNOT * knots[::-1])
+    units = Units("in", "lbf")
+    assert sweep.plot(["left"], ax=top, units=units) is top
+    assert sweep.plot_acceleration(["pilot"], ax=bottom, units=units) is bottom
     high, low, static = (line.get_ydata() for line in top.lines[:3])
-    assert (high == sweep.max_load[:, 1] / 1e3).all()
-    assert (low == sweep.min_load[:, 1] / 1e3).all()
+    assert (high == sweep.max_load[::-1, 1] / 1e3).all()
+    assert (low == sweep.min_load[::-1, 1] / 1e3).all()
     assert static[0] == sweep.static_load[1] / 1e3
+    assert top.get_ylabel() == "largest and smallest load [kip]"
     curve, limit = bottom.lines[:2]
-    assert np.allclose(curve.get_xdata(), np.arange(5.0, 100.0))
-    assert (curve.get_ydata() == sweep.max_acceleration["pilot"] / 386.0886).all()
+    assert np.allclose(curve.get_xdata(), knots)
+    assert (curve.get_ydata() == sweep.max_acceleration["pilot"][::-1] / 386.0886).all()
     assert limit.get_ydata()[0] == 0.4
     assert bottom.get_ylim()[1] >= 0.4
-    with pytest.raises(rm.InputError, match="no gear 'tail'"):
-        plotting_sweep.loads(top, sweep, ["tail"])
-    with pytest.raises(rm.InputError, match="no station 'tail'"):
-        plotting_sweep.accelerations(top, sweep, ["tail"])
+    with pytest.raises(rm.InputError, match=r"gears\[1\] = 'tail'"):
+        sweep.plot(["left", "tail"], ax=top)
+    with pytest.raises(rm.InputError, match=r"stations\[0\] = 'tail'"):
+        sweep.plot_acceleration(["tail"], ax=bottom)

@@ -16,9 +16,11 @@ from .simulate import _by_gear
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
     from .profile import Profile
+    from .units import Units
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,7 +28,7 @@ class Sweep:
     """
     True extremes of a response, speed by speed, between samples too.
 
-    `sweep` makes it. `runway_modal.plotting_sweep` draws it.
+    `sweep` makes it.
 
     Parameters
     ----------
@@ -77,6 +79,108 @@ class Sweep:
         Past that the linear model, in which a gear may pull on the runway, no longer holds.
         """
         return self.min_load <= 0.0
+
+    def plot(
+        self,
+        gears: Sequence[str] | None = None,
+        *,
+        ax: Axes | None = None,
+        units: Units | None = None,
+    ) -> Axes:
+        """
+        Draw largest and smallest gear loads against speed, each gear with its static load.
+
+        Parameters
+        ----------
+        gears : sequence of str, optional
+            Which gears. Default: all.
+        ax : matplotlib.axes.Axes, optional
+            Where. Default: a new figure.
+        units : Units, optional
+            Units of the sweep, for the axes: speeds are drawn in knots, loads in lbf and N in
+            kip and kN.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        InputError
+            If there is no such gear.
+        ImportError
+            If matplotlib is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> from matplotlib.figure import Figure
+        >>> from runway_modal.units import Units
+        >>> sweep = rm.sweep(rm.f4e().modes(0.01), rm.Profile.full_mat(), [200.0, 400.0, 800.0])
+        >>> sweep.plot(["left"], ax=Figure().subplots(), units=Units("in", "lbf")).get_xlabel()
+        'ground speed [kt]'
+        """
+        from .plotting_sweep import plot_loads
+
+        names = self.modes.aircraft.gear_names
+        for i, gear in enumerate(gears or ()):
+            if gear not in names:
+                raise InputError(f"gears[{i}] = {gear!r}: no such gear; there are {names}")
+        return plot_loads(self, gears, ax, units)
+
+    def plot_acceleration(
+        self,
+        stations: Sequence[str] | None = None,
+        *,
+        ax: Axes | None = None,
+        units: Units | None = None,
+    ) -> Axes:
+        """
+        Draw the largest vertical acceleration against speed, in g, with the line of 0.4 g.
+
+        The line is the limit of ±0.4 g at the pilot's station and the centre of gravity
+        (published: Morris and Hall, NASA 1965; Navy CEL TR-846, 1976). A g is the aircraft's
+        gravity.
+
+        Parameters
+        ----------
+        stations : sequence of str, optional
+            Which stations of `Aircraft.stations`. Default: all.
+        ax : matplotlib.axes.Axes, optional
+            Where. Default: a new figure.
+        units : Units, optional
+            Units of the sweep, for the axes: speeds are drawn in knots.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        InputError
+            If there is no such station, or no gravity.
+        ImportError
+            If matplotlib is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> from matplotlib.figure import Figure
+        >>> sweep = rm.sweep(rm.f4e().modes(0.01), rm.Profile.full_mat(), [200.0, 400.0, 800.0])
+        >>> sweep.plot_acceleration(["cg"], ax=Figure().subplots()).get_ylabel()
+        'largest |vertical acceleration| [g]'
+        """
+        from .plotting_sweep import plot_accelerations
+
+        names = tuple(self.max_acceleration)
+        for i, station in enumerate(stations or ()):
+            if station not in names:
+                raise InputError(f"stations[{i}] = {station!r}: no such station; there are {names}")
+        if not self.modes.aircraft.gravity:
+            raise InputError("sweep: the aircraft's gravity is 0, there is no g to draw in")
+        return plot_accelerations(self, stations, ax, units)
 
     def __repr__(self) -> str:
         """Span and size."""
@@ -152,7 +256,7 @@ def sweep(
     >>> pairs = [rm.Profile.sequence([bump, bump], gap) for gap in gaps]
     >>> worst = [rm.sweep(modes, pair, [rm.knots(40)]).max_load[0, 1] for pair in pairs]
     >>> gaps[int(np.argmax(worst))]
-    240.0
+    360.0
     """
     course = _course(modes, tracks, damping_input)
     speed = array("speeds", speeds).copy()

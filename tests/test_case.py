@@ -1,11 +1,15 @@
 """Case files: every unit system says the same, and faults are named with their place."""
 
+import inspect
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import runway_modal as rm
+from runway_modal import nonlinear
+from runway_modal._case_tracks import _SHAPES
 from runway_modal.case import Case, read_case
 from runway_modal.units import LENGTH, MASS, SPEED, STIFFNESS, Units
 
@@ -13,6 +17,7 @@ F4E = '[aircraft]\npreset = "f4e"\ndamping_ratio = 0.01\n'
 RUN = '[run]\nspeeds = ["20 kt"]\n'
 MAT = '[[track]]\nshape = "full_mat"\n'
 INCHES = '[units]\nlength = "in"\nforce = "lbf"\n'
+METRES = '[units]\nlength = "m"\nforce = "N"\n'
 
 #: Table 1 and Table 2 of the report, each number with a unit of its own.
 FULL = """
@@ -106,9 +111,72 @@ def test_one_degree_of_freedom_and_measured_modes(tmp_path: Path) -> None:
     assert modes.damping_ratio.tolist() == [0.02]
 
 
+def test_a_survey_may_be_an_erd_file(tmp_path: Path) -> None:
+    survey = rm.Profile(0.5 * np.arange(4), [0.0, 0.01, -0.02, 0.0])
+    rm.write_erd(tmp_path / "survey.erd", survey, "m")
+    track = '[[track]]\nfile = "survey.erd"\nelevation = 0\nstart = 100\n'
+    found = read(tmp_path, INCHES + F4E + track + RUN).tracks["left"]
+    np.testing.assert_allclose((found.x - 100) * 0.0254, survey.x, atol=1e-12)
+    np.testing.assert_allclose(found.z * 0.0254, survey.z, atol=1e-12)
+
+
+def test_crater_repair(tmp_path: Path) -> None:
+    text = (
+        '[[track]]\nshape = "crater_repair"\nlength = "930 in"\nupheaval = 0.0508\n'
+        'settlement = "1 in"\nslope = "10 ft"\n'
+    )
+    case = read(tmp_path, METRES + F4E + text + RUN)
+    expected = rm.Profile.crater_repair(930.0, upheaval=2.0, settlement=1.0, slope=120.0)
+    np.testing.assert_allclose(case.tracks["left"].x / 0.0254, expected.x, rtol=1e-14)
+    np.testing.assert_allclose(case.tracks["left"].z / 0.0254, expected.z, rtol=1e-14)
+    assert case.notes == (
+        "track[0]: ramp = 12 in",
+        "track[0]: the arrangement of its slopes",
+    )
+
+
+def test_footprint_is_of_the_sum_of_tracks_under_its_gear(tmp_path: Path) -> None:
+    gap = '[[track]]\nshape = "spall"\nlength = 24\ndepth = 1\ngap = "5 ft"\n'
+    text = INCHES + F4E + MAT + gap + '[footprint]\nnose = "0.75 ft"\n' + RUN
+    tracks = read(tmp_path, text).tracks
+    bare = rm.Profile.full_mat() + rm.Profile.spall(24, 1, start=990)
+    assert tracks["left"] == bare
+    assert tracks["nose"].x.tolist() == bare.footprint(9.0).x.tolist()
+    np.testing.assert_allclose(tracks["nose"].z, bare.footprint(9.0).z, atol=1e-15)
+
+
+def test_nonlinear_aircraft_is_the_same_in_any_units(tmp_path: Path) -> None:
+    aircraft = F4E + "nonlinear = true\n[aircraft.stations]\npilot = ['200 in', 0]\n"
+    case = read(tmp_path, METRES + aircraft + MAT + RUN)
+    expected = nonlinear.simulate(nonlinear.f4e(), rm.Profile.full_mat(), rm.knots(20)).extremes()
+    found = case.run()["20 kt"].extremes()
+    np.testing.assert_allclose(found.max_load / 4.4482216152605, expected.max_load, rtol=1e-6)
+    np.testing.assert_allclose(found.min_load / 4.4482216152605, expected.min_load, rtol=1e-6)
+    np.testing.assert_allclose(case.modes.omega, nonlinear.f4e().linearised().modes(0.01).omega)
+    assert found.max_acceleration.keys() == {"cg", "pilot"}
+    assert any("gas law" in note for note in case.notes)
+
+
 def test_inferred_defaults_are_said(tmp_path: Path) -> None:
     shape = '[[track]]\nshape = "two_foot_spall"\nramp = 2\n'
     assert read(tmp_path, INCHES + F4E + shape + RUN).notes == ("track[0]: depth = 1.5 in",)
+
+
+def test_lengths_in_inches_reach_the_reports_shapes_unrounded(tmp_path: Path) -> None:
+    shape = '[[track]]\nshape = "double_spall"\nspacing = "24 in"\nramp = "1 ft"\n'
+    found = read(tmp_path, METRES + F4E + shape + RUN).tracks["left"]
+    expected = rm.Profile.double_spall(ramp=12.0, spacing=24.0)
+    np.testing.assert_allclose(found.x, expected.x * 0.0254, rtol=1e-15)
+
+
+def test_every_shape_is_in_the_example() -> None:
+    example = (files("runway_modal") / "example.toml").read_text(encoding="utf-8")
+    # What a shell makes of it on any system is still TOML.
+    assert example.isascii()
+    for name, shape in _SHAPES.items():
+        assert name in example
+        for parameter in inspect.signature(shape).parameters:
+            assert parameter in example
 
 
 @pytest.mark.parametrize(
@@ -116,7 +184,7 @@ def test_inferred_defaults_are_said(tmp_path: Path) -> None:
     [
         (INCHES + F4E + MAT + 'lenght = "3 ft"\n' + RUN, "9: track[0]: unknown key 'lenght'"),
         (INCHES + F4E + '[[track]]\nshape = "ful_mat"\n' + RUN, "8: .*did you mean 'full_mat'"),
-        (INCHES + F4E + MAT + '[run]\nspeeds = ["20 N"]\n', "10: run: .*wrong unit"),
+        (INCHES + F4E + MAT + '[run]\nspeeds = ["20 N"]\n', "10: run: .*wrong kind of unit"),
         (INCHES + F4E + MAT + "[run]\nspeeds = [-1]\n", "10: run: speeds.0. = -1 is not positive"),
         (INCHES + F4E + MAT, "run is missing"),
         (F4E + MAT + RUN, "units is missing"),
@@ -125,8 +193,40 @@ def test_inferred_defaults_are_said(tmp_path: Path) -> None:
         (INCHES + F4E + MAT + RUN + "damping_input = 1\n", "11: run: damping_input = 1 is not"),
         (INCHES + MAT + RUN, "either .aircraft. or .single_dof."),
         ("a = \n", "line 1"),
+        (
+            METRES + F4E + '[[track]]\nshape = "mat"\nlength = "3 ft"\nramp = -1\n' + RUN,
+            "10: track.0.: ramp = -1.0 is not between 0 and half the length 0.914",
+        ),
+        (
+            METRES + F4E + '[[track]]\nshape = "two_foot_spall"\nramp = 0.5\n' + RUN,
+            r"9: .* half the length 24.0 .in.; the file says ramp = 0\.5$",
+        ),
+        (
+            METRES + F4E + MAT + '[footprint]\nnose = "-10 in"\n' + RUN,
+            "10: footprint: length = -0.254 is not positive; the file says nose = '-10 in'",
+        ),
+        (INCHES + F4E + MAT + '[footprint]\nnoze = 1\n' + RUN, "10: footprint: unknown key"),
+        (INCHES + F4E + MAT + RUN + "duration = -1\n", "11: run: duration = -1.0 is not positive"),
+        (INCHES + F4E + MAT + '[run]\nspeeds = ["20 kt", "20 kt"]\n', "10: .*is there before"),
+        (INCHES + F4E + MAT + "[run]\nspeeds = [true]\n", "speeds.0. = True is not a number"),
+        (INCHES + F4E + MAT + 'gears = ["nose", "nose"]\n' + RUN, "9: .*'nose' is there twice"),
+        (INCHES + F4E + '[[track]]\nfile = "no.csv"\n' + RUN, "8: .*cannot read .*no.csv: No such"),
+        (
+            INCHES + F4E + '[[track]]\nfile = "a.csv"\nelevation = {nose = 1}\n' + RUN,
+            "9: track.0.: elevation is not a heading or a number",
+        ),
+        (
+            INCHES + F4E.replace("damping_ratio = 0.01", "[[aircraft.modes]]\nomega = 1\n"
+            "damping_ratio = 0\nshape = ['a', 0, 0]") + MAT + RUN,
+            "9: aircraft.modes.0.: shape.0. = 'a' is not a real number",
+        ),
+        (INCHES + F4E + 'nonlinear = true\nstiffness = "static"\n' + MAT + RUN, "8: .*'stiffness'"),
+        (
+            INCHES + F4E + "nonlinear = true\n" + MAT + RUN + "damping_input = false\n",
+            "12: run: damping_input: a nonlinear run always has it",
+        ),
     ],
 )  # fmt: skip
 def test_faults_are_named_with_their_place(tmp_path: Path, text: str, said: str) -> None:
     with pytest.raises(rm.InputError, match=said.replace("[0]", r"\[0\]")):
-        read(tmp_path, text)
+        read(tmp_path, text).run()

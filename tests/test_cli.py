@@ -2,6 +2,10 @@
 
 import csv
 import json
+import re
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +38,38 @@ def test_unloading_is_said(case: Path, capsys: pytest.CaptureFixture[str]) -> No
     text = case.read_text(encoding="utf-8")
     case.write_text(text.replace('"full_mat"', '"mat"\nlength = 930\nheight = 4', 1), "utf-8")
     assert main(["run", str(case)]) == 0
-    assert "WARNING: nose, left, right unloads" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "WARNING: nose, left, right unloads" in printed
+    assert [line.split()[0] for line in printed.splitlines() if line.endswith("UNLOADS")] == [
+        "nose",
+        "left",
+        "right",
+    ]
+
+
+def test_tables_are_aligned_at_the_right(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(case)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    for head, rows in (("  mode", 3), ("  gear", 3), ("  station", 2)):
+        (at,) = (i for i, line in enumerate(lines) if line.startswith(head))
+        widths = {len(line) for line in lines[at : at + rows + 1]}
+        assert len(widths) == 1, lines[at : at + rows + 1]
+
+
+def test_nonlinear_run(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = case.read_text(encoding="utf-8").replace("# nonlinear", "nonlinear")
+    case.write_text(re.sub("(?m)^stiffness.*$", "", text), encoding="utf-8")
+    paths = {kind: str(case.with_name(f"a.{kind}")) for kind in ("csv", "parquet")}
+    figure = str(case.with_name("a.svg"))
+    options = (a for kind, path in paths.items() for a in (f"--{kind}", path))
+    assert main(["run", str(case), *options, "--figure", figure]) == 0
+    printed = capsys.readouterr().out
+    # What `nonlinear.simulate` says of the main gears: 40.4 kip.
+    assert re.search(r"left +23627\.1 +40[34]\d\d\.\d", printed)
+    assert "Inferred, not published: aircraft: gas law and dampers" in printed
+    frame = pd.read_parquet(paths["parquet"])
+    assert frame.attrs["units"]["stiffness_left"] == "lbf/in"
+    assert pd.read_csv(paths["csv"])["stiffness_left [lbf/in]"].max() > 11000.0
 
 
 def test_files_hold_the_response(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -61,6 +96,45 @@ def test_standard_output_is_the_table_alone(case: Path, capsys: pytest.CaptureFi
     rows = list(csv.reader(capsys.readouterr().out.splitlines()))
     assert rows[0][:3] == ["speed [in/s]", "time [s]", "distance [in]"]
     assert {len(row) for row in rows} == {14}
+    assert main(["run", str(case), "--json", "-"]) == 0
+    captured = capsys.readouterr()
+    assert json.loads(captured.out)["runs"][0]["unloaded"] == dict.fromkeys(
+        ("nose", "left", "right"), False
+    )
+    # What is said of the run is not lost.
+    assert "Inferred, not published" in captured.err
+
+
+def test_one_speed_spelled_twice_is_two_runs(case: Path) -> None:
+    text = case.read_text(encoding="utf-8").replace('["20 kt"]', '["20 kt", "20.0 kt"]')
+    case.write_text(text, encoding="utf-8")
+    for kind, read in (("csv", pd.read_csv), ("parquet", pd.read_parquet)):
+        path = case.with_suffix(f".{kind}")
+        assert main(["run", str(case), f"--{kind}", str(path)]) == 0
+        times = read(path).iloc[:, 1]
+        assert (times == 0.0).sum() == 2
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--csv", "-", "--json", "-"], "standard output takes one of them"),
+        (["--figure", "-"], "--figure -: standard output takes csv or json"),
+        (["--figure", "a.xyz"], "figure a.xyz: "),
+        (["--csv", "none/a.csv"], "error: none/a.csv: No such file or directory"),
+        (["--parquet", "none/a.parquet"], "'none'"),
+    ],
+)
+def test_refused_files(
+    case: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    options: list[str],
+    said: str,
+) -> None:
+    monkeypatch.chdir(case.parent)
+    assert main(["run", "case.toml", *options]) == 2
+    assert said in capsys.readouterr().err
 
 
 def test_bad_input_exits_with_2(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -70,3 +144,74 @@ def test_bad_input_exits_with_2(case: Path, capsys: pytest.CaptureFixture[str]) 
     error = capsys.readouterr().err
     assert "none.toml" in error
     assert "case.toml:1: unknown key 'speed'" in error
+
+
+@pytest.mark.parametrize(
+    ("raised", "code", "said"),
+    [
+        (KeyboardInterrupt(), 130, ""),
+        (MemoryError("8 EiB"), 1, "runway-modal: error: out of memory: 8 EiB\n"),
+        (rm.NumericalError("inf"), 1, "runway-modal: error: inf\n"),
+        (ImportError("pip install it"), 1, "runway-modal: error: pip install it\n"),
+    ],
+)
+def test_what_stops_a_run_is_an_exit_code(
+    case: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    raised: BaseException,
+    code: int,
+    said: str,
+) -> None:
+    def stop(_: object) -> None:
+        raise raised
+
+    monkeypatch.setattr("runway_modal.case.Case.run", stop)
+    assert main(["run", str(case)]) == code
+    assert capsys.readouterr().err == said
+
+
+def test_a_reader_that_leaves_is_no_fault(case: Path) -> None:
+    for arguments in (["example"], ["run", str(case), "--csv", "-"]):
+        code = "import sys; from runway_modal.cli import main; sys.exit(main(sys.argv[1:]))"
+        with subprocess.Popen(
+            [sys.executable, "-c", code, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        ) as process:
+            process.stdout.close()
+            error = process.stderr.read().decode()
+        assert process.returncode == 0
+        assert "Traceback" not in error
+        assert "BrokenPipe" not in error
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_interrupted(case: Path) -> None:
+    text = case.read_text(encoding="utf-8").replace("# duration = 8", "duration = 1e4")
+    case.write_text(text, encoding="utf-8")
+    code = "import sys; from runway_modal.cli import main; print(0, flush=True); sys.exit(main())"
+    with subprocess.Popen(
+        [sys.executable, "-c", code, "run", str(case), "--csv", str(case.with_suffix(".csv"))],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    ) as process:
+        process.stdout.read(1)
+        with pytest.raises(subprocess.TimeoutExpired):
+            process.wait(0.5)
+        process.send_signal(signal.SIGINT)
+        error = process.stderr.read().decode()
+    assert process.returncode == 130
+    assert error == ""
+
+
+def test_letters_that_a_terminal_lacks(case: Path) -> None:
+    text = case.read_text(encoding="utf-8").replace('"F-4E over', '"Ü滑 F-4E over')
+    case.write_text(text, encoding="utf-8")
+    code = "import sys; from runway_modal.cli import main; sys.exit(main(sys.argv[1:]))"
+    for options, said in (((), b"\\u6ed1 F-4E over"), (("--csv", "-"), "[in/s²]".encode())):
+        done = subprocess.run(
+            [sys.executable, "-c", code, "run", str(case), *options],
+            env={"PYTHONIOENCODING": "ascii"},
+            capture_output=True,
+            check=True,
+        )
+        assert said in done.stdout

@@ -37,7 +37,9 @@ def public() -> dict[str, object]:
                 found[f"{module}.{name}"] = value
                 found |= {
                     f"{module}.{name}.{member}": inner
-                    for member, inner in vars(value).items()
+                    for base in reversed(value.__mro__)
+                    if base.__module__.startswith(package)
+                    for member, inner in vars(base).items()
                     if not member.startswith("_") and is_documentable(inner)
                 }
     return found

@@ -7,19 +7,26 @@ import pytest
 from matplotlib.figure import Figure
 
 import runway_modal as rm
+from runway_modal import nonlinear
 from runway_modal.plotting import loads_over_profile
-from runway_modal.units import Units
 
-INCHES = Units("in", "lbf")
+INCHES = rm.Units("in", "lbf")
 RESPONSE = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
 
 
-def test_response_draws_loads_and_static_loads_into_given_axes() -> None:
+NONLINEAR = nonlinear.simulate(nonlinear.f4e(), rm.Profile.full_mat(), rm.knots(20), duration=2.0)
+
+
+@pytest.mark.parametrize("response", [RESPONSE, NONLINEAR], ids=["linear", "nonlinear"])
+def test_loads_and_static_loads_into_given_axes(
+    response: rm.Response | nonlinear.Response,
+) -> None:
     axes = Figure().subplots()
-    assert RESPONSE.plot(["nose"], ax=axes, units=INCHES) is axes
+    assert response.plot(["nose"], ax=axes, units=INCHES) is axes
     load, static = axes.get_lines()
-    np.testing.assert_array_equal(load.get_ydata(), RESPONSE.load[:, 0] / 1e3)
-    assert static.get_ydata()[0] == RESPONSE.static_load[0] / 1e3
+    np.testing.assert_array_equal(load.get_xdata(), response.time)
+    np.testing.assert_array_equal(load.get_ydata(), response.load[:, 0] / 1e3)
+    assert static.get_ydata()[0] == response.static_load[0] / 1e3
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("time [s]", "load [kip]")
     low, high = axes.get_ylim()
     assert low < load.get_ydata().min()
@@ -28,8 +35,32 @@ def test_response_draws_loads_and_static_loads_into_given_axes() -> None:
 
 def test_without_units_nothing_is_scaled_or_named() -> None:
     axes = RESPONSE.plot(ax=Figure().subplots())
-    np.testing.assert_array_equal(axes.get_lines()[2].get_ydata(), RESPONSE.load[:, 1])
+    np.testing.assert_array_equal(axes.get_lines()[1].get_ydata(), RESPONSE.load[:, 1])
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("time", "load")
+
+
+def test_lines_that_coincide_can_be_told_apart_and_static_loads_come_once() -> None:
+    nose, left, right, *static = RESPONSE.plot(ax=Figure().subplots()).get_lines()
+    assert [line.get_linestyle() for line in (nose, left, right)] == ["-", "-", "--"]
+    assert [line.get_ydata()[0] for line in static] == RESPONSE.static_load[:2].tolist()
+
+
+def test_gears_over_the_same_track_share_a_line() -> None:
+    gears = {name: f"{name} gear" for name in ("nose", "left", "right")}
+    ground = loads_over_profile({"20 kt": RESPONSE}, gears).axes[-1]
+    nose, mains = ground.get_lines()
+    np.testing.assert_array_equal(nose.get_ydata(), RESPONSE.elevation[:, 0])
+    np.testing.assert_array_equal(mains.get_ydata(), RESPONSE.elevation[:, 2])
+    assert mains.get_label() == "under the left gear, right gear"
+
+
+def test_linear_and_nonlinear_runs_in_one_figure() -> None:
+    runs = {"linear": RESPONSE, "nonlinear": NONLINEAR}
+    figure = loads_over_profile(runs, {"left": "Main gear"}, units=INCHES)
+    linear, other = figure.axes[0].get_lines()[:2]
+    np.testing.assert_array_equal(linear.get_ydata(), RESPONSE.load[:, 1] / 1e3)
+    np.testing.assert_array_equal(other.get_ydata(), NONLINEAR.load[:, 1] / 1e3)
+    assert figure.axes[1].get_xlim() == (0.0, RESPONSE.time[-1])
 
 
 def test_profile() -> None:
@@ -48,6 +79,10 @@ def test_no_run_is_dropped_from_the_figure() -> None:
 def test_unknown_gear_and_missing_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(rm.InputError, match=r"gears\[0\] = 'tail': no such gear"):
         RESPONSE.plot(["tail"])
+    with pytest.raises(rm.InputError, match=r"gears\[1\] = 'tail': no such gear"):
+        loads_over_profile({"": NONLINEAR}, {"nose": "", "tail": ""})
+    with pytest.raises(rm.InputError, match="responses is empty"):
+        loads_over_profile({}, {"nose": ""})
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(ImportError, match=r"runway_modal\[plot\]"):
         RESPONSE.plot()

@@ -13,7 +13,7 @@ from .profile_erd import read_erd, write_erd
 from .response import Extremes, Response
 from .simulate import simulate
 from .sweep import Sweep, WorstSpeed, sweep, worst_speed
-from .units import knots
+from .units import Units, knots
 
 __all__ = [
     "Aircraft",
@@ -25,6 +25,7 @@ __all__ = [
     "Profile",
     "Response",
     "Sweep",
+    "Units",
     "WorstSpeed",
     "equivalent_stiffness",
     "f4e",

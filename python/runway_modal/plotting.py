@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from .tables import aircraft_of
-from .units import THOUSAND
+from ._core import InputError
+from .units import LENGTH, THOUSAND, TIME
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
+    from ._results import Results
     from .profile import Profile
-    from .response import Response
-    from .units import Units
+    from .units import Dimension, Units
 
 
 def loads_over_profile(
-    responses: Mapping[str, Response],
+    responses: Mapping[str, Results],
     gears: Mapping[str, str],
     title: str = "",
     *,
@@ -34,7 +35,7 @@ def loads_over_profile(
     Parameters
     ----------
     responses : mapping of str to Response
-        Runs over the same tracks, by the label of their line.
+        Runs, linear or not, over the same tracks, by the label of their line.
     gears : mapping of str to str
         Gears to show, one panel each, by the title of their panel.
     title : str
@@ -51,6 +52,8 @@ def loads_over_profile(
 
     Raises
     ------
+    InputError
+        If there is no such gear, or no response.
     ImportError
         If matplotlib is not installed.
 
@@ -66,76 +69,94 @@ def loads_over_profile(
     _require()
     from matplotlib.figure import Figure
 
+    if not responses:
+        raise InputError("responses is empty")
+    columns = _columns(next(iter(responses.values())), gears)
+    heights = [3.0] * len(gears) + [1.2]
     figure = Figure(figsize=(8.0, 2.6 * len(gears) + 1.8), layout="constrained")
-    panels = len(gears) + 1
-    axes = figure.subplots(panels, 1, sharex=True, height_ratios=[3.0] * len(gears) + [1.2])
-    scale, unit = _load_unit(units)
-    first = next(iter(responses.values()))
-    names = aircraft_of(first).gear_names
-    for panel, (gear, label) in zip(axes, gears.items(), strict=False):
-        column = names.index(gear)
-        for i, (line, response) in enumerate(responses.items()):
-            abscissa = getattr(response, against)
-            load = response.load[:, column] / scale
-            panel.plot(abscissa, load, _COLORS[i % len(_COLORS)], label=line, lw=1.4)
-        _static(panel, first.static_load[column] / scale, "0.35", "static")
-        panel.set_ylabel(f"{label} load{unit}")
-        _legend(panel, len(responses) + 1)
-    # With distance the tracks are the same for all; the longest run shows most of them.
-    longest = max(responses.values(), key=lambda response: float(getattr(response, against)[-1]))
-    plot_elevations(longest, gears, axes[-1], units, against)
-    ends = [getattr(response, against)[[0, -1]] for response in responses.values()]
-    axes[-1].set_xlim(min(e[0] for e in ends), max(e[1] for e in ends))
+    *panels, ground = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    for panel, (label, column) in zip(panels, columns, strict=True):
+        _draw_loads(panel, [(name, run, column) for name, run in responses.items()], units, against)
+        panel.set_ylabel(f"{label} {panel.get_ylabel()}")
+    # Over distance the tracks are the same for all; the longest run shows most of them.
+    longest = max(responses.values(), key=lambda run: float(getattr(run, against)[-1]))
+    _draw_elevations(ground, longest, columns, units, against)
+    ends = np.array([getattr(run, against)[[0, -1]] for run in responses.values()])
+    ground.set_xlim(ends.min(), ends.max())
+    if against == "time":
+        ground.set_xlabel(_label("time", TIME, units))
+    else:
+        ground.set_xlabel(_label("distance of the foremost gear", LENGTH, units))
     if title:
         figure.suptitle(title)
     return figure
 
 
 def plot_loads(
-    response: Response, gears: Sequence[str] | None, ax: Axes | None, units: Units | None
+    response: Results, gears: Sequence[str] | None, ax: Axes | None, units: Units | None
 ) -> Axes:
     """Draw what `Response.plot` documents."""
-    names = aircraft_of(response).gear_names
+    shown = response.aircraft.gear_names if gears is None else gears
+    columns = _columns(response, {gear: gear for gear in shown})
     ax = ax or _axes()
-    scale, unit = _load_unit(units)
-    for i, gear in enumerate(names if gears is None else gears):
-        column = names.index(gear)
-        color = _COLORS[i % len(_COLORS)]
-        # Gears that move as one would hide each other.
-        style = ("-", "--", ":")[i % 3]
-        ax.plot(response.time, response.load[:, column] / scale, color, ls=style, label=gear)
-        _static(ax, response.static_load[column] / scale, color, f"{gear}, static")
-    ax.set_ylabel(f"load{unit}")
-    ax.set_xlabel("time [s]" if units else "time")
-    _legend(ax, 3)
+    _draw_loads(ax, [(gear, response, column) for gear, column in columns], units, "time")
+    ax.set_xlabel(_label("time", TIME, units))
     return ax
 
 
-def plot_elevations(
-    response: Response,
-    gears: Mapping[str, str],
-    ax: Axes,
-    units: Units | None,
-    against: str = "time",
+def _columns(response: Results, gears: Mapping[str, str]) -> list[tuple[str, int]]:
+    """Label and column of each gear."""
+    names = response.aircraft.gear_names
+    for i, gear in enumerate(gears):
+        if gear not in names:
+            raise InputError(f"gears[{i}] = {gear!r}: no such gear; there are {names}")
+    return [(label, names.index(gear)) for gear, label in gears.items()]
+
+
+def _draw_loads(
+    ax: Axes, lines: Sequence[tuple[str, Results, int]], units: Units | None, against: str
 ) -> None:
-    """Draw the elevation under the gears shown."""
-    names = aircraft_of(response).gear_names
-    for i, (gear, label) in enumerate(gears.items()):
-        elevation = response.elevation[:, names.index(gear)]
-        style = ("-", ":", "--", "-.")[i % 4]
+    """Draw loads by label, response and column, each static load once."""
+    scale, unit = _load_unit(units)
+    drawn: list[NDArray[np.float64]] = []
+    for i, (label, response, column) in enumerate(lines):
+        load = response.load[:, column]
+        # Gears that move as one would hide each other.
+        hidden = sum(np.array_equal(load, other) for other in drawn)
+        drawn.append(load)
         ax.plot(
-            getattr(response, against), elevation, "k", ls=style, lw=1.1,
-            label=f"under the {label[0].lower()}{label[1:]}",
+            getattr(response, against), load / scale, _COLORS[i % len(_COLORS)],
+            ls=("-", "--", ":")[hidden % 3], lw=1.4, label=label,
         )  # fmt: skip
-    high = float(np.abs(response.elevation).max()) or 1.0
-    ax.set_ylim(min(0.0, response.elevation.min()) - 0.15 * high, 1.9 * high)
-    length = f" [{units.length}]" if units else ""
-    ax.set_ylabel(f"elevation{length}")
-    ax.set_xlabel(
-        (f"time{' [s]' if units else ''}")
-        if against == "time"
-        else f"distance of the foremost gear{length}"
-    )
+    static = dict.fromkeys(float(run.static_load[column]) / scale for _, run, column in lines)
+    for i, level in enumerate(static):
+        _static(ax, level, "0.35", "" if i else "static")
+    ax.set_ylabel(f"load{unit}")
+    _legend(ax, len(lines) + 1)
+
+
+def _draw_elevations(
+    ax: Axes,
+    response: Results,
+    columns: Sequence[tuple[str, int]],
+    units: Units | None,
+    against: str,
+) -> None:
+    """Draw the elevations under gears by label; gears over the same share a line."""
+    lines: dict[bytes, tuple[NDArray[np.float64], list[str]]] = {}
+    for label, column in columns:
+        elevation = response.elevation[:, column]
+        lines.setdefault(elevation.tobytes(), (elevation, []))[1].append(label)
+    for i, (elevation, labels) in enumerate(lines.values()):
+        names = ", ".join(f"{label[:1].lower()}{label[1:]}" for label in labels)
+        ax.plot(
+            getattr(response, against), elevation, "k", ls=("-", "--", ":", "-.")[i % 4], lw=1.1,
+            label=f"under the {names}",
+        )  # fmt: skip
+    low, high = min(0.0, response.elevation.min()), max(0.0, response.elevation.max())
+    height = high - low or 1.0
+    ax.set_ylim(low - 0.15 * height, high + 0.9 * height)
+    ax.set_ylabel(_label("elevation", LENGTH, units))
     ax.legend(loc="upper right", ncols=3, frameon=False, fontsize="small")
     ax.grid(alpha=0.25)
 
@@ -148,9 +169,8 @@ def plot_profile(profile: Profile, ax: Axes | None, units: Units | None) -> Axes
     beyond = 0.1 * (x[-1] - x[0]) or 1.0
     stations = np.concatenate([[x[0] - beyond], x, [x[-1] + beyond]])
     ax.plot(stations, np.concatenate([z[:1], z, z[-1:]]), "k", lw=1.1)
-    unit = f" [{units.length}]" if units else ""
-    ax.set_xlabel(f"station{unit}")
-    ax.set_ylabel(f"elevation{unit}")
+    ax.set_xlabel(_label("station", LENGTH, units))
+    ax.set_ylabel(_label("elevation", LENGTH, units))
     ax.grid(alpha=0.25)
     return ax
 
@@ -173,6 +193,11 @@ def _axes() -> Axes:
     return plt.subplots(layout="constrained")[1]
 
 
+def _label(quantity: str, dimension: Dimension, units: Units | None) -> str:
+    """Label of an axis, with its unit if there is one."""
+    return f"{quantity} [{units.name(dimension)}]" if units else quantity
+
+
 def _load_unit(units: Units | None) -> tuple[float, str]:
     """Divisor of loads and their unit for an axis."""
     if units is None:
@@ -182,14 +207,15 @@ def _load_unit(units: Units | None) -> tuple[float, str]:
     return 1.0, f" [{units.force}]"
 
 
-def _static(panel: Axes, load: float, color: str, label: str) -> None:
-    panel.axhline(load, color=color, lw=0.9, ls=(0, (6, 3)), label=label)
+def _static(ax: Axes, load: float, color: str, label: str) -> None:
+    ax.axhline(load, color=color, lw=0.9, ls=(0, (6, 3)), label=label)
 
 
-def _legend(panel: Any, columns: int) -> None:
+def _legend(ax: Axes, columns: int) -> None:
     """Legend above the curves."""
-    rows = -(-len(panel.get_legend_handles_labels()[1]) // min(columns, 4))
-    low, high = panel.get_ylim()
-    panel.set_ylim(low, high + (0.08 + 0.1 * rows) * (high - low))
-    panel.legend(loc="upper right", ncols=min(columns, 4), frameon=False, fontsize="small")
-    panel.grid(alpha=0.25)
+    across = min(columns, 4)
+    rows = -(-len(ax.get_legend_handles_labels()[1]) // across)
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high + (0.08 + 0.1 * rows) * (high - low))
+    ax.legend(loc="upper right", ncols=across, frameon=False, fontsize="small")
+    ax.grid(alpha=0.25)

@@ -8,20 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._core import InputError
 from ._input import any_array, array, read_only
+from ._results import Shown
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import pandas as pd
-    import xarray as xr
-    from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
     from . import _core
+    from .aircraft import Aircraft
     from .modes import Modes
-    from .units import Units
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -63,7 +58,7 @@ class Extremes:
     time_of_max_acceleration: dict[str, float]
 
 
-class Response:
+class Response(Shown):
     """
     Motion and loads of one run, sampled at `time` and exact there.
 
@@ -128,6 +123,11 @@ class Response:
         self.modal = read_only(modal)
         self.modal_rate = read_only(rate)
 
+    @property
+    def aircraft(self) -> Aircraft:
+        """The aircraft of the run."""
+        return self.modes.aircraft
+
     def _read(self, quantity: str, columns: int) -> NDArray[np.float64]:
         out = np.empty((self.time.size, columns))
         self._run.read(quantity, self._stations, self.time, out)
@@ -135,7 +135,7 @@ class Response:
 
     @cached_property
     def _stations(self) -> NDArray[np.float64]:
-        return np.array(list(self.modes.aircraft.stations.values()))
+        return np.array(list(self.aircraft.stations.values()))
 
     @cached_property
     def distance(self) -> NDArray[np.float64]:
@@ -160,29 +160,29 @@ class Response:
     @cached_property
     def gear_displacement(self) -> NDArray[np.float64]:
         """Vertical displacement of the body at each gear, shape (n, g) [length] (Eq. 20)."""
-        return self._read("gear_displacement", len(self.modes.aircraft.gears))
+        return self._read("gear_displacement", len(self.aircraft.gears))
 
     @cached_property
     def elevation(self) -> NDArray[np.float64]:
         """Elevation under each gear, shape (n, g) [length]; at a vertical step, after it."""
-        return self._read("elevation", len(self.modes.aircraft.gears))
+        return self._read("elevation", len(self.aircraft.gears))
 
     @cached_property
     def load(self) -> NDArray[np.float64]:
         """Compression load of each gear, static load included, shape (n, g) [force] (Eq. 21)."""
-        return self._read("load", len(self.modes.aircraft.gears))
+        return self._read("load", len(self.aircraft.gears))
 
     @cached_property
     def acceleration(self) -> dict[str, NDArray[np.float64]]:
         """Vertical acceleration at each station, each of shape (n,) [length/time²]."""
-        names = list(self.modes.aircraft.stations)
+        names = list(self.aircraft.stations)
         columns = self._read("acceleration", len(names))
         return {name: read_only(columns[:, i].copy()) for i, name in enumerate(names)}
 
     @property
     def static_load(self) -> NDArray[np.float64]:
         """Static load of each gear, shape (g,) [force]."""
-        return self.modes.aircraft.static_load
+        return self.aircraft.static_load
 
     @property
     def unloaded(self) -> NDArray[np.bool_]:
@@ -244,122 +244,12 @@ class Response:
         """
         return self._extremes
 
-    def plot(
-        self,
-        gears: Sequence[str] | None = None,
-        *,
-        ax: Axes | None = None,
-        units: Units | None = None,
-    ) -> Axes:
-        """
-        Draw gear loads against time, each with its static load as a line.
-
-        Parameters
-        ----------
-        gears : sequence of str, optional
-            Which gears. Default: all.
-        ax : matplotlib.axes.Axes, optional
-            Where. Default: a new figure.
-        units : Units, optional
-            Units of the response, for the axes; loads in lbf and N are drawn in kip and kN.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-            The axes.
-
-        Raises
-        ------
-        InputError
-            If there is no such gear.
-        ImportError
-            If matplotlib is not installed.
-
-        Examples
-        --------
-        >>> import runway_modal as rm
-        >>> from matplotlib.figure import Figure
-        >>> from runway_modal.units import Units
-        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
-        >>> response.plot(["left"], ax=Figure().subplots(), units=Units("in", "lbf")).get_ylabel()
-        'load [kip]'
-        """
-        from .plotting import plot_loads
-
-        names = self.modes.aircraft.gear_names
-        for i, gear in enumerate(gears or ()):
-            if gear not in names:
-                raise InputError(f"gears[{i}] = {gear!r}: no such gear; there are {names}")
-        return plot_loads(self, gears, ax, units)
-
-    def to_pandas(self, units: Units | None = None) -> pd.DataFrame:
-        """
-        Make a table of the response, one row a time (extra ``tables``).
-
-        Parameters
-        ----------
-        units : Units, optional
-            Units of the response, kept by column in ``attrs["units"]``.
-
-        Returns
-        -------
-        pandas.DataFrame, shape (n, 5 + 2 g + stations)
-            Columns time, distance, load_<gear>, elevation_<gear>, bounce, pitch, roll and
-            acceleration_<station>.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
-
-        Examples
-        --------
-        >>> import runway_modal as rm
-        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
-        >>> list(response.to_pandas().columns[:4])
-        ['time', 'distance', 'load_nose', 'load_left']
-        """
-        from .tables import to_pandas
-
-        return to_pandas(self, units)
-
-    def to_xarray(self, units: Units | None = None) -> xr.Dataset:
-        """
-        Make a data set of the response with named gears and stations (extra ``tables``).
-
-        Parameters
-        ----------
-        units : Units, optional
-            Units of the response, kept in ``attrs["units"]`` of every variable.
-
-        Returns
-        -------
-        xarray.Dataset
-            Variables distance, load, static_load, elevation, bounce, pitch, roll and
-            acceleration over time, gear and station. A vertical step has its time twice.
-
-        Raises
-        ------
-        ImportError
-            If xarray is not installed.
-
-        Examples
-        --------
-        >>> import runway_modal as rm
-        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
-        >>> response.to_xarray()["load"].sel(gear="left").dims
-        ('time',)
-        """
-        from .tables import to_xarray
-
-        return to_xarray(self, units)
-
     @cached_property
     def _extremes(self) -> Extremes:
         begin, end = float(self.time[0]), float(self.time[-1])
         loads, accelerations = self._run.extremes(self._stations, begin, end)
         max_load, time_of_max, min_load, time_of_min = read_only(loads)
-        stations = self.modes.aircraft.stations
+        stations = self.aircraft.stations
         return Extremes(
             max_load=max_load,
             time_of_max=time_of_max,
@@ -375,5 +265,5 @@ class Response:
         """Span and size."""
         return (
             f"<Response: {self.time.size} times from {self.time[0]:g} to {self.time[-1]:g}, "
-            f"gears {', '.join(self.modes.aircraft.gear_names)}>"
+            f"gears {', '.join(self.aircraft.gear_names)}>"
         )

@@ -81,6 +81,7 @@ def knots(v: float, length: Literal["in", "ft", "m", "cm", "mm", "km"] = "in") -
 #: Exponents of length, force and time.
 Dimension = tuple[int, int, int]
 
+ANGLE: Dimension = (0, 0, 0)
 LENGTH: Dimension = (1, 0, 0)
 FORCE: Dimension = (0, 1, 0)
 TIME: Dimension = (0, 0, 1)
@@ -115,7 +116,7 @@ _UNITS: dict[str, tuple[Fraction, Dimension]] = {
     "ms": (Fraction(1, 1000), TIME),
     "min": (Fraction(60), TIME),
     "h": (Fraction(3600), TIME),
-    "rad": (Fraction(1), (0, 0, 0)),
+    "rad": (Fraction(1), ANGLE),
     "Hz": (Fraction(2.0 * math.pi), FREQUENCY),
     "kt": (Fraction(1852, 3600), SPEED),
     "mph": (Fraction(5280 * 12 * 254, 10_000 * 3600), SPEED),
@@ -166,9 +167,11 @@ class Units:
 
     Examples
     --------
-    >>> from runway_modal.units import LENGTH, Units
-    >>> Units("in", "lbf").quantity("length", "77.5 ft", LENGTH)
-    930.0
+    >>> import runway_modal as rm
+    >>> from matplotlib.figure import Figure
+    >>> mat = rm.Profile.full_mat()
+    >>> mat.plot(ax=Figure().subplots(), units=rm.Units("in", "lbf")).get_xlabel()
+    'station [in]'
     """
 
     length: str
@@ -212,6 +215,8 @@ class Units:
                 if sign * power > 0
             )
 
+        if dimension == ANGLE:
+            return "rad"
         above, below = product(1) or "1", product(-1)
         return f"{above}/{below}" if below else above
 
@@ -245,13 +250,16 @@ class Units:
         10.0
         """
         if not isinstance(value, str):
+            # True is a number to Python.
+            if isinstance(value, bool):
+                raise InputError(f"{argument} = {value!r} is not a number")
             return finite(argument, value)
         found = re.fullmatch(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)\s*", value)
         wanted = self.name(dimension)
         if not found:
             raise InputError(
                 f"{argument} = {value!r} is not a number and its unit; "
-                f"a number alone is in {wanted}"
+                f"a number alone is in '{wanted}'"
             )
         try:
             size, given = _size(found[2])
@@ -261,7 +269,9 @@ class Units:
                 f"{', '.join(_UNITS)}, their powers, products and quotients"
             ) from None
         if given != dimension:
-            raise InputError(f"{argument} = {value!r} has the wrong unit for what is in {wanted}")
+            raise InputError(
+                f"{argument} = {value!r} has the wrong kind of unit; one like '{wanted}' is needed"
+            )
         try:
             amount = float(found[1])
         except ValueError:
@@ -300,3 +310,7 @@ class Units:
     def _size(self, dimension: Dimension) -> Fraction:
         length, force, _ = dimension
         return _UNITS[self.length][0] ** length * _FORCES[self.force] ** force
+
+
+#: The report's units: those of presets and of the defaults of built-in shapes.
+REPORT = Units("in", "lbf")

@@ -10,6 +10,7 @@ import numpy as np
 
 from runway_modal._core import InputError
 from runway_modal._input import any_array, array, number, read_only
+from runway_modal._results import Shown
 from runway_modal.aircraft import equivalent_stiffness
 from runway_modal.response import Extremes
 
@@ -65,7 +66,7 @@ class Piece:
         return np.concatenate(([begin], inner[(inner > begin) & (inner < end)], [end]))
 
 
-class Response:
+class Response(Shown):
     """
     Motion, loads and stiffnesses of one nonlinear run, sampled at `time`.
 
@@ -94,6 +95,8 @@ class Response:
     >>> response.stiffness.shape == response.load.shape
     True
     """
+
+    _of_gears = (*Shown._of_gears, "stiffness")
 
     #: The aircraft of the run.
     aircraft: Aircraft

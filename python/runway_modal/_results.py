@@ -1,0 +1,163 @@
+"""What the responses of linear and nonlinear aircraft have in common: figures and tables."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, Protocol, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    import numpy as np
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from .units import Units
+
+    Array: TypeAlias = NDArray[np.float64]
+
+
+class _Aircraft(Protocol):
+    @property
+    def gear_names(self) -> tuple[str, ...]: ...
+
+
+class Results(Protocol):
+    """What figures and tables ask of a response; `runway_modal.Response` says what each is."""
+
+    _of_gears: ClassVar[tuple[str, ...]]
+
+    @property
+    def aircraft(self) -> _Aircraft: ...
+    @property
+    def time(self) -> Array: ...
+    @property
+    def distance(self) -> Array: ...
+    @property
+    def cg(self) -> Array: ...
+    @property
+    def elevation(self) -> Array: ...
+    @property
+    def load(self) -> Array: ...
+    @property
+    def static_load(self) -> Array: ...
+    @property
+    def acceleration(self) -> Mapping[str, Array]: ...
+
+
+class Shown:
+    """Figures and tables of a response."""
+
+    __slots__ = ()
+
+    #: Quantities with a column a gear.
+    _of_gears: ClassVar[tuple[str, ...]] = ("load", "elevation")
+
+    def plot(
+        self: Results,
+        gears: Sequence[str] | None = None,
+        *,
+        ax: Axes | None = None,
+        units: Units | None = None,
+    ) -> Axes:
+        """
+        Draw gear loads against time, with their static loads as lines.
+
+        Parameters
+        ----------
+        gears : sequence of str, optional
+            Which gears. Default: all.
+        ax : matplotlib.axes.Axes, optional
+            Where. Default: a new figure.
+        units : Units, optional
+            Units of the response, for the axes; loads in lbf and N are drawn in kip and kN.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        InputError
+            If there is no such gear.
+        ImportError
+            If matplotlib is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> from matplotlib.figure import Figure
+        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+        >>> axes = Figure().subplots()
+        >>> response.plot(["left"], ax=axes, units=rm.Units("in", "lbf")).get_ylabel()
+        'load [kip]'
+        """
+        from .plotting import plot_loads
+
+        return plot_loads(self, gears, ax, units)
+
+    def to_pandas(self: Results, units: Units | None = None) -> pd.DataFrame:
+        """
+        Make a table of the response, one row a time (extra ``tables``).
+
+        Parameters
+        ----------
+        units : Units, optional
+            Units of the response, kept in ``attrs["units"]`` by column; Parquet files keep them.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns time, distance, load_<gear>, elevation_<gear>, bounce, pitch, roll and
+            acceleration_<station>; of a nonlinear run stiffness_<gear>, too.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+        >>> table = response.to_pandas(rm.Units("in", "lbf"))
+        >>> table.attrs["units"]["load_left"]
+        'lbf'
+        """
+        from .tables import to_pandas
+
+        return to_pandas(self, units)
+
+    def to_xarray(self: Results, units: Units | None = None) -> xr.Dataset:
+        """
+        Make a data set of the response with named gears and stations (extra ``tables``).
+
+        Parameters
+        ----------
+        units : Units, optional
+            Units of the response, kept in ``attrs["units"]`` of every variable.
+
+        Returns
+        -------
+        xarray.Dataset
+            Variables distance, load, elevation, bounce, pitch, roll, acceleration and
+            static_load over time, gear and station; of a nonlinear run stiffness, too. A
+            vertical step has its time twice.
+
+        Raises
+        ------
+        ImportError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+        >>> response.to_xarray()["load"].sel(gear="left").dims
+        ('time',)
+        """
+        from .tables import to_xarray
+
+        return to_xarray(self, units)

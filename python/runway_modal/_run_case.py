@@ -1,0 +1,189 @@
+"""``runway-modal run``: simulates a case, prints what matters of it, writes what is asked for."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from . import tables
+from ._core import InputError
+from .case import Case, read_case
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+    from typing import TextIO
+
+    from . import nonlinear
+    from .response import Response
+
+    #: One run by the text of its speed.
+    Runs: TypeAlias = Mapping[str, Response | nonlinear.Response]
+
+#: Stands for standard output.
+_STANDARD = "-"
+
+
+def run(path: Path, asked: Mapping[str, str | None]) -> None:
+    """Run a case file; `asked` names files by kind and goes before the case's own."""
+    case = read_case(path)
+    wanted = {kind: str(asked[kind] or case.output.get(kind) or "") for kind in KINDS}
+    for kind in ("parquet", "figure"):
+        if wanted[kind] == _STANDARD:
+            raise InputError(f"--{kind} -: standard output takes csv or json")
+    if list(wanted.values()).count(_STANDARD) > 1:
+        raise InputError("--csv - and --json -: standard output takes one of them")
+    runs = case.run()
+    # What goes to another program goes alone.
+    told = sys.stderr if _STANDARD in wanted.values() else sys.stdout
+    print("\n".join(_summary(case, runs)), file=told)
+    for kind, to in wanted.items():
+        if to:
+            _WRITERS[kind](case, runs, to)
+            if to != _STANDARD:
+                print(f"{kind}: {to}", file=told)
+
+
+def _summary(case: Case, runs: Runs) -> Iterator[str]:
+    units, modes = case.units, case.modes
+    yield case.title
+    yield f"Units: {units.length}, {units.force}, s"
+    for note in case.notes:
+        yield f"Inferred, not published: {note}"
+    yield ""
+    if case.reference is not None:
+        yield "Nonlinear aircraft; its modes near rest:"
+    yield f"  mode   frequency [Hz]   omega [rad/s]   damping ratio {f'node [{units.length}]':>12}"
+    rows = zip(modes.frequency_hz, modes.omega, modes.damping_ratio, modes.node, strict=True)
+    for i, (hertz, omega, ratio, node) in enumerate(rows, 1):
+        # Roll leaves the whole centreline at rest, and pure bounce nothing.
+        where = f"{node:.2f}" if math.isfinite(node) else "-"
+        yield f"  {i:>4} {hertz:16.4f} {omega:15.4f} {ratio:15.4f} {where:>12}"
+    for name, response in runs.items():
+        yield ""
+        yield from _of_speed(case, name, response)
+
+
+def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) -> Iterator[str]:
+    units, gears = case.units, response.aircraft.gear_names
+    width = max(7, *map(len, gears), *map(len, response.acceleration))
+    extremes, unloaded = response.extremes(), response.unloaded
+    exact = f"{case.speeds[name]:.6g} {units.length}/s"
+    stated = name if name == exact else f"{name} = {exact}"
+    yield f"Speed {stated}, {response.time[0]:.4g} to {response.time[-1]:.4g} s"
+    heads = [f"{what} [{units.force}]" for what in ("static", "largest", "smallest")]
+    yield (
+        f"  {'gear':<{width}} {heads[0]:>15} {heads[1]:>16}     at [s] {heads[2]:>17}     at [s]"
+    )
+    digits = 1 if response.static_load.max() >= 1e3 else 4
+    for g, gear in enumerate(gears):
+        yield (
+            f"  {gear:<{width}} {response.static_load[g]:15.{digits}f}"
+            f" {extremes.max_load[g]:16.{digits}f} {extremes.time_of_max[g]:10.4f}"
+            f" {extremes.min_load[g]:17.{digits}f} {extremes.time_of_min[g]:10.4f}"
+            + ("  UNLOADS" if unloaded[g] else "")
+        )
+    yield f"  {'station':<{width}}   largest vertical acceleration [g]     at [s]"
+    for station, value in extremes.max_acceleration.items():
+        at = extremes.time_of_max_acceleration[station]
+        yield f"  {station:<{width}} {value / units.standard_gravity:35.4f} {at:10.4f}"
+    if unloaded.any() and case.reference is None:
+        lost = ", ".join(n for n, u in zip(gears, unloaded, strict=True) if u)
+        yield f"  WARNING: {lost} unloads: past that the linear model no longer holds."
+
+
+def _write_csv(case: Case, runs: Runs, to: str) -> None:
+    with _opened(to) as file:
+        tables.write_csv(_by_speed(case, runs), case.units, file)
+
+
+def _write_json(case: Case, runs: Runs, to: str) -> None:
+    document = {
+        "title": case.title,
+        "units": {"length": case.units.length, "force": case.units.force, "time": "s"},
+        "nonlinear": case.reference is not None,
+        "inferred": case.notes,
+        "modes": {
+            "omega": case.modes.omega.tolist(),
+            "damping_ratio": case.modes.damping_ratio.tolist(),
+            "shapes": case.modes.shapes.tolist(),
+        },
+        "runs": [_results(case, name, response) for name, response in runs.items()],
+    }
+    with _opened(to) as file:
+        json.dump(document, file, indent=1, allow_nan=False)
+        file.write("\n")
+
+
+def _results(case: Case, name: str, response: Response | nonlinear.Response) -> dict[str, Any]:
+    extremes = response.extremes()
+
+    def by_gear(values: Any) -> dict[str, Any]:
+        return dict(zip(response.aircraft.gear_names, values.tolist(), strict=True))
+
+    return {
+        "speed": case.speeds[name],
+        "stated_speed": name,
+        "static_load": by_gear(response.static_load),
+        "max_load": by_gear(extremes.max_load),
+        "time_of_max": by_gear(extremes.time_of_max),
+        "min_load": by_gear(extremes.min_load),
+        "time_of_min": by_gear(extremes.time_of_min),
+        "unloaded": by_gear(response.unloaded),
+        "max_acceleration": extremes.max_acceleration,
+        "time_of_max_acceleration": extremes.time_of_max_acceleration,
+        "history": {key: values.tolist() for key, (values, _) in tables.columns(response).items()},
+    }
+
+
+def _write_parquet(case: Case, runs: Runs, to: str) -> None:
+    tables.write_parquet(_by_speed(case, runs), case.units, Path(to))
+
+
+def _write_figure(case: Case, runs: Runs, to: str) -> None:
+    from .plotting import loads_over_profile
+
+    gears = case.modes.aircraft.gear_names
+    figure = loads_over_profile(
+        runs,
+        # One degree of freedom has one gear, of that name.
+        {name: name if name == "gear" else f"{name} gear" for name in gears},
+        case.title,
+        units=case.units,
+        against="time" if len(runs) == 1 else "distance",
+    )
+    try:
+        figure.savefig(to, dpi=110)
+    except ValueError as error:
+        raise InputError(f"figure {to}: {error}") from None
+
+
+def _by_speed(case: Case, runs: Runs) -> Iterator[tuple[float, Response | nonlinear.Response]]:
+    return ((case.speeds[name], response) for name, response in runs.items())
+
+
+@contextmanager
+def _opened(to: str) -> Iterator[TextIO]:
+    """Open a file for text in UTF-8, the same on every system; or standard output."""
+    if to != _STANDARD:
+        with Path(to).open("w", encoding="utf-8", newline="") as file:
+            yield file
+        return
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding="utf-8", newline="")
+    yield sys.stdout
+
+
+_WRITERS: dict[str, Callable[[Case, Runs, str], None]] = {
+    "csv": _write_csv,
+    "json": _write_json,
+    "parquet": _write_parquet,
+    "figure": _write_figure,
+}
+
+#: Kinds of files.
+KINDS = tuple(_WRITERS)

@@ -1,0 +1,206 @@
+"""TOML whose faults are named with their file, line and key."""
+
+from __future__ import annotations
+
+import codecs
+import difflib
+import re
+import tomllib
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ._core import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
+
+    from .units import Dimension, Units
+
+
+def read_toml(path: Path) -> Table:
+    """Read a file; `InputError` if it is not TOML."""
+    data = path.read_bytes()
+    # PowerShell writes what is sent to a file in UTF-16.
+    wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    try:
+        text = data.decode("utf-16" if wide else "utf-8-sig").replace("\r\n", "\n")
+        return Table(path, text, (), tomllib.loads(text))
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InputError(f"{path}:{line}: this is no text in UTF-8") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+_REQUIRED: Any = object()
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """One table of a case file; hands out checked values and knows where they stand."""
+
+    path: Path
+    source: str
+    keys: tuple[str | int, ...]
+    values: dict[str, Any]
+
+    def where(self, key: str | None = None) -> str:
+        """Name the place of a key as TOML does, arrays counted from 0."""
+        keys = self.keys if key is None else (*self.keys, key)
+        return "".join(f"[{k}]" if isinstance(k, int) else f".{k}" for k in keys).lstrip(".")
+
+    def fault(self, what: str, key: str | None = None) -> InputError:
+        """Make the error that names file, line and table."""
+        keys = (*self.keys, key) if key is not None and key in self.values else self.keys
+        line = _line(self.source, keys)
+        place = f"{self.path}:{line}" if line else f"{self.path}"
+        return _Located(": ".join(part for part in (place, self.where(), what) if part))
+
+    @contextmanager
+    def located(self, key: str | None = None) -> Iterator[None]:
+        """Say where the input stands that the library refuses, and how it is written there."""
+        try:
+            yield
+        except _Located:
+            raise
+        except InputError as error:
+            said = str(error)
+            # The library's messages begin with the name of the argument: the key's name.
+            named = re.match(r"\w+", said)
+            key = key or (named[0] if named else "")
+            raise self.fault(said + self._as_written(key, said), key) from None
+
+    def _as_written(self, key: str, said: str) -> str:
+        """Show a value as the file has it, if the message has it in other units."""
+        value, shown = self.values.get(key), re.match(r"\w+ = (\S+)", said)
+        if not shown or not isinstance(value, str | int | float) or f"= {value!r}" in said:
+            return ""
+        same = not isinstance(value, str) and shown[1] == repr(float(value))
+        return "" if same else f"; the file says {key} = {value!r}"
+
+    def only(self, *allowed: str) -> None:
+        """Refuse keys that nobody reads."""
+        for key in self.values:
+            if key not in allowed:
+                raise self.fault(f"unknown key {key!r}{hint(key, allowed)}", key)
+
+    def get(self, key: str, default: Any = _REQUIRED) -> Any:
+        value = self.values.get(key, default)
+        if value is _REQUIRED:
+            raise self.fault(f"{key} is missing")
+        return value
+
+    def text(self, key: str, default: Any = _REQUIRED) -> str:
+        value = self.get(key, default)
+        if not isinstance(value, str) or not value or "\0" in value:
+            raise self.fault(f"{key} = {value!r} is not a text", key)
+        return value
+
+    def choice(self, key: str, allowed: tuple[str, ...], default: Any = _REQUIRED) -> str:
+        value = self.get(key, default)
+        if value not in allowed:
+            raise self.fault(f"{key} = {value!r} is unknown{hint(value, allowed)}", key)
+        return str(value)
+
+    def flag(self, key: str) -> bool:
+        value = self.get(key, False)
+        if not isinstance(value, bool):
+            raise self.fault(f"{key} = {value!r} is not true or false", key)
+        return value
+
+    def quantity(
+        self, key: str, dimension: Dimension, units: Units, default: Any = _REQUIRED
+    ) -> Any:
+        value = self.get(key, default)
+        if key not in self.values:
+            return value
+        with self.located():
+            return units.quantity(key, value, dimension)
+
+    def quantities(self, key: str, dimension: Dimension, units: Units) -> list[float]:
+        values = self.get(key)
+        if not isinstance(values, list):
+            raise self.fault(f"{key} = {values!r} is not a list", key)
+        with self.located():
+            return [
+                units.quantity(f"{key}[{i}]", value, dimension) for i, value in enumerate(values)
+            ]
+
+    def table(self, key: str, default: Any = _REQUIRED) -> Table:
+        value = self.get(key, default)
+        if not isinstance(value, dict):
+            raise self.fault(f"{key} is not a table: [{self.where(key)}]", key)
+        return Table(self.path, self.source, (*self.keys, key), value)
+
+    def tables(self, key: str, default: Any = _REQUIRED) -> list[Table]:
+        values = self.get(key, default)
+        if not isinstance(values, list) or not all(isinstance(v, dict) for v in values):
+            raise self.fault(f"{key} is not a list of tables: [[{self.where(key)}]]", key)
+        return [
+            Table(self.path, self.source, (*self.keys, key, i), value)
+            for i, value in enumerate(values)
+        ]
+
+
+class _Located(InputError):
+    """Says where already."""
+
+
+#: What a statement of several lines may end with.
+_ENDS = ("]", "}", '"', "'")
+
+
+def _line(source: str, keys: tuple[str | int, ...]) -> int | None:
+    """Line of the statement that brings a key: tomllib itself reads one after the other."""
+    lines = source.split("\n")
+    table: tuple[str | int, ...] = ()
+    lengths: dict[tuple[str | int, ...], int] = {}
+    begin = 0
+    for end, line in enumerate(lines, 1):
+        if end > begin + 1 and not line.partition("#")[0].rstrip().endswith(_ENDS):
+            continue
+        try:
+            found: Any = tomllib.loads("\n".join(lines[begin:end]))
+        except tomllib.TOMLDecodeError:
+            continue
+        first, begin = begin, end
+        if lines[first].lstrip().startswith("["):
+            table = _header(found, lengths)
+            if keys and table[: len(keys)] == keys:
+                return first + 1
+        elif keys[: len(table)] == table and _holds(found, keys[len(table) :]):
+            return first + 1
+    return None
+
+
+def _header(found: Any, lengths: dict[tuple[str | int, ...], int]) -> tuple[str | int, ...]:
+    """Keys of the table that a header begins; counts the tables of each list."""
+    table: tuple[str | int, ...] = ()
+    while found:
+        ((name, found),) = found.items()
+        table = (*table, name)
+        if isinstance(found, list):
+            lengths[table] = lengths.get(table, 0) + 1
+            found = found[0]
+        if table in lengths:
+            table = (*table, lengths[table] - 1)
+    return table
+
+
+def _holds(found: Any, keys: tuple[str | int, ...]) -> bool:
+    """Whether a statement's values have these keys."""
+    try:
+        for key in keys:
+            found = found[key]
+    except (KeyError, IndexError, TypeError):
+        return False
+    return bool(keys)
+
+
+def hint(name: object, allowed: Iterable[str]) -> str:
+    allowed = tuple(allowed)
+    near = difflib.get_close_matches(str(name), allowed, 1)
+    guess = f"; did you mean {near[0]!r}?" if near else ""
+    return f"{guess} Allowed: {', '.join(allowed)}" if guess else f"; allowed: {', '.join(allowed)}"

@@ -206,6 +206,7 @@ def test_every_shape_is_in_the_example() -> None:
             "10: footprint: length = -0.254 is not positive; the file says nose = '-10 in'",
         ),
         (INCHES + F4E + MAT + '[footprint]\nnoze = 1\n' + RUN, "10: footprint: unknown key"),
+        (INCHES + F4E + MAT + RUN + '[output]\ncsv = "-"\n', "12: output: csv = '-': standard"),
         (INCHES + F4E + MAT + RUN + "duration = -1\n", "11: run: duration = -1.0 is not positive"),
         (INCHES + F4E + MAT + '[run]\nspeeds = ["20 kt", "20 kt"]\n', "10: .*is there before"),
         (INCHES + F4E + MAT + "[run]\nspeeds = [true]\n", "speeds.0. = True is not a number"),

@@ -121,6 +121,7 @@ def test_one_speed_spelled_twice_is_two_runs(case: Path) -> None:
         (["--csv", "-", "--json", "-"], "standard output takes one of them"),
         (["--figure", "-"], "--figure -: standard output takes csv or json"),
         (["--figure", "a.xyz"], "figure a.xyz: "),
+        (["--csv", "./case.toml"], "csv ./case.toml: this is the case file"),
         (["--csv", "none/a.csv"], "error: none/a.csv: No such file or directory"),
         (["--parquet", "none/a.parquet"], "'none'"),
     ],
@@ -133,8 +134,10 @@ def test_refused_files(
     said: str,
 ) -> None:
     monkeypatch.chdir(case.parent)
+    before = case.read_bytes()
     assert main(["run", "case.toml", *options]) == 2
     assert said in capsys.readouterr().err
+    assert case.read_bytes() == before
 
 
 def test_bad_input_exits_with_2(case: Path, capsys: pytest.CaptureFixture[str]) -> None:

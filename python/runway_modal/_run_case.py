@@ -35,6 +35,9 @@ def run(path: Path, asked: Mapping[str, str | None]) -> None:
     for kind in ("parquet", "figure"):
         if wanted[kind] == _STANDARD:
             raise InputError(f"--{kind} -: standard output takes csv or json")
+    for kind, to in wanted.items():
+        if to != _STANDARD and Path(to).resolve() == path.resolve():
+            raise InputError(f"{kind} {to}: this is the case file")
     if list(wanted.values()).count(_STANDARD) > 1:
         raise InputError("--csv - and --json -: standard output takes one of them")
     runs = case.run()

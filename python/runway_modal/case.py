@@ -88,6 +88,9 @@ def read_case(path: Path) -> Case:
         raise run.fault("damping_input: a nonlinear run always has it", "damping_input")
     output = root.table("output", {})
     output.only("csv", "json", "parquet", "figure")
+    for kind in output.values:
+        if output.text(kind) == "-":
+            raise output.fault(f"{kind} = '-': standard output is for the command line", kind)
     return Case(
         title=root.text("title", path.stem),
         units=units,

@@ -37,6 +37,7 @@
 //! | [`readout`] | loads, motions and accelerations as linear forms of the state |
 //! | [`sample`] | rows of results at the default times or at any |
 //! | [`extremes`] | true maxima and minima between samples |
+//! | [`ensemble`] | many equally spaced profiles at once: statistics without a history |
 //! | `python` | the only file that names Python, behind the feature `python` |
 //!
 //! ```
@@ -65,6 +66,7 @@
 
 pub mod aircraft;
 pub mod distance;
+pub mod ensemble;
 pub mod error;
 pub mod extremes;
 mod knots;

@@ -1,0 +1,387 @@
+//! What modes, speed and spacing make of every period alike.
+//!
+//! A period lasts from one station under the foremost gears to the next. Each group of gears (one
+//! track, one lag) meets exactly one station in it, always at the same share of it; between these
+//! instants lie the legs of a period, on which every slope is constant.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::distance::Distance;
+use crate::error::{Error, Place, Result};
+use crate::extremes::{Lengths, Output};
+use crate::lanes::Lanes;
+use crate::modes::Modes;
+use crate::profile::Profile;
+use crate::readout::{Form, Quantity};
+use crate::run::Run;
+use crate::transition::{Oscillators, Transition};
+
+/// Modes of a rigid aircraft.
+pub(super) const MODES: usize = 3;
+
+/// Share of a spacing within which a lag is a whole number of them, as in a run (`run::lag`).
+const HARMLESS: f64 = 1e-13;
+
+/// More spacings than this between two gears are a slip in the units.
+const LONGEST_LAG: f64 = 1e12;
+
+/// Nodes of Gauss's rule on (−1, 1), one half, with their weights: exact to double precision over a
+/// radian of the stiffest mode.
+const GAUSS: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_47),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
+];
+
+/// Where the stations of a group of gears fall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Group {
+    /// Whose elevations it meets.
+    pub track: usize,
+    /// Periods that it is behind the foremost gears.
+    pub whole: usize,
+    /// Leg that begins at its stations.
+    pub leg: usize,
+}
+
+/// What runs side by side must have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Layout {
+    pub groups: Vec<Group>,
+    /// Legs of a period.
+    pub legs: usize,
+    /// Periods until the last gear is in that of its last station, and legs left in that.
+    pub periods: usize,
+    pub tail: usize,
+    /// Loads come first among the outputs, then accelerations.
+    pub loads: usize,
+    /// Whether the dampers take part in the ground input, so that outputs may jump.
+    pub damped: bool,
+    /// Outputs into which velocities enter.
+    pub by_rate: Vec<bool>,
+    /// Whether slopes or elevations enter an output.
+    pub lines: bool,
+    /// Whether elevations do.
+    pub heights: bool,
+}
+
+impl Layout {
+    /// Groups that meet their stations inside a period.
+    pub fn inner(&self) -> impl Iterator<Item = usize> {
+        (0..self.groups.len()).filter(|&group| self.groups[group].leg > 0)
+    }
+
+    /// Rows of a period: modal state, rises after the groups' stations, rises before those inside
+    /// the period, heights and first elevations.
+    pub fn rows(&self) -> usize {
+        let groups = self.groups.len();
+        2 * MODES + groups + self.inner().count() + if self.heights { 2 * groups } else { 0 }
+    }
+}
+
+/// One output: its form with what the constants of a period add.
+#[derive(Clone)]
+pub(super) struct Reading {
+    pub output: Output,
+    /// Weights of the rises over a spacing, one a group.
+    pub rise: Vec<f64>,
+    /// Rate of the straight-line part over a leg per rise.
+    pub rate: Vec<f64>,
+    /// Weights of |d|, |ẏ/ω| and of the groups' rises before and after their stations in a bound on
+    /// the bulge of the output above its values at the ends of any leg; the same for its swing.
+    pub bulge: [Bound; 2],
+    /// Quadratic forms of a period's rows whose sum is ∫F² over the periods, and over the tail.
+    pub square: [DMatrix<f64>; 2],
+}
+
+/// See [`Reading::bulge`].
+#[derive(Clone)]
+pub(super) struct Bound {
+    pub state: [Lanes; 2],
+    pub after: Vec<f64>,
+    pub before: Vec<f64>,
+}
+
+/// All that the runs of one set-up share.
+#[derive(Clone)]
+pub(super) struct Setup {
+    pub layout: Arc<Layout>,
+    /// Share of a period at which each leg begins, and each group meets its station.
+    pub begin: Vec<f64>,
+    pub part: Vec<f64>,
+    pub dt: Vec<f64>,
+    pub transition: Vec<Transition>,
+    /// Rates of the static position ÷ ω and forces ÷ ω² per rise over a spacing, one a group.
+    pub climb: Vec<Lanes>,
+    pub drag: Vec<Lanes>,
+    pub bank: Oscillators,
+    pub lengths: Arc<Lengths>,
+    pub readings: Vec<Reading>,
+    pub static_load: Vec<f64>,
+    /// How long the statistics run.
+    pub duration: f64,
+}
+
+/// A runway's grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stations {
+    pub tracks: usize,
+    pub count: usize,
+    pub spacing: f64,
+}
+
+/// Whole spacings of a lag, and the rest.
+fn split(lag: Distance, spacing: f64) -> Result<(usize, f64)> {
+    let count = lag.nearest() / spacing;
+    if count > LONGEST_LAG {
+        let why = "more than 1e12 of them between two gears";
+        return Err(Error::OutOfRange { place: Place::from("spacing"), value: spacing, why });
+    }
+    let rest = |whole: f64| lag.minus(Distance::product(whole, spacing));
+    let whole = count.floor() + (rest(count.floor()) / spacing).floor();
+    let harmless = HARMLESS * spacing;
+    match rest(whole) {
+        over if over >= spacing - harmless => Ok((whole as usize + 1, 0.0)),
+        over if over <= harmless => Ok((whole as usize, 0.0)),
+        over => Ok((whole as usize, over)),
+    }
+}
+
+impl Setup {
+    pub fn new(
+        modes: &Arc<Modes>,
+        stations: Stations,
+        speed: f64,
+        points: &[(f64, f64)],
+        damping_input: bool,
+    ) -> Result<Self> {
+        let Stations { tracks, count, spacing } = stations;
+        // The run over a profile that stands for all: its grid, and first elevations of zero.
+        let last = (count.max(2) - 1) as f64 * spacing;
+        let (x, z) = if count > 2 {
+            (vec![0.0, spacing, last], vec![0.0, spacing, 0.0])
+        } else {
+            (vec![0.0, spacing], vec![0.0, spacing])
+        };
+        let profiles: Vec<Arc<Profile>> =
+            (0..tracks).map(|_| Ok(Arc::new(Profile::new(x.clone(), z.clone())?))).collect::<Result<_>>()?;
+        let gears = modes.aircraft().gears().len();
+        let of_gear: Vec<Arc<Profile>> =
+            (0..gears).map(|gear| Arc::clone(&profiles[if tracks == 1 { 0 } else { gear }])).collect();
+        let run = Run::new(Arc::clone(modes), &of_gear, speed, damping_input)?;
+
+        let lags = run.tracks.iter().map(|track| split(track.lag, spacing)).collect::<Result<Vec<_>>>()?;
+        let mut rests: Vec<f64> = lags.iter().map(|&(_, rest)| rest).collect();
+        rests.sort_by(f64::total_cmp);
+        rests.dedup_by(|later, earlier| *later - *earlier <= HARMLESS * spacing);
+        let leg_of = |rest: f64| rests.iter().rposition(|&begin| begin <= rest).unwrap_or(0);
+        let groups: Vec<Group> = run
+            .tracks
+            .iter()
+            .zip(&lags)
+            .map(|(track, &(whole, rest))| {
+                let source = profiles.iter().position(|profile| Arc::ptr_eq(profile, &track.profile));
+                Group { track: source.unwrap_or(0), whole, leg: leg_of(rest) }
+            })
+            .collect();
+        let behind = groups.iter().map(|group| (group.whole, group.leg)).max().unwrap_or((0, 0));
+        let lag = run.tracks.iter().map(|track| track.lag).fold(Distance::sum(0.0, 0.0), |a, b| {
+            if a.shorter(b) == a { b } else { a }
+        });
+        let end = Distance::product((count - 1) as f64, spacing);
+        let duration = (lag.minus(Distance::sum(0.0, 0.0)) + end.nearest()) / speed;
+
+        let ends = rests.iter().skip(1).copied().chain([spacing]);
+        let dt: Vec<f64> = rests.iter().zip(ends).map(|(begin, end)| (end - begin) / speed).collect();
+        let bank = run.oscillators.clone();
+        let lengths = Lengths::new(&bank);
+        let loads = Form::all(&run, &Quantity::Load);
+        let accelerations = Form::all(&run, &Quantity::Acceleration(points.to_vec()));
+        let forms: Vec<Form> = loads.iter().chain(&accelerations).cloned().collect();
+        let any = |weights: &[f64]| weights.iter().any(|&weight| weight != 0.0);
+        let layout = Layout {
+            legs: rests.len(),
+            periods: count - 1 + behind.0,
+            tail: behind.1,
+            loads: loads.len(),
+            damped: damping_input,
+            by_rate: forms.iter().map(|form| any(&form.v.0)).collect(),
+            lines: forms.iter().any(Form::has_line),
+            heights: forms.iter().any(|form| any(&form.height) || any(&form.first)),
+            groups,
+        };
+        let per_rise = |rate: Lanes| rate * (1.0 / spacing);
+        let mut setup = Self {
+            begin: rests.iter().map(|rest| rest / spacing).collect(),
+            part: layout.groups.iter().map(|group| rests[group.leg] / spacing).collect(),
+            transition: dt.iter().map(|&dt| bank.over(dt)).collect(),
+            climb: run.tracks.iter().map(|track| per_rise(track.climb)).collect(),
+            drag: run.tracks.iter().map(|track| per_rise(track.drag * speed)).collect(),
+            static_load: modes.aircraft().static_load().to_vec(),
+            readings: Vec::new(),
+            lengths: Arc::new(lengths),
+            layout: Arc::new(layout),
+            dt,
+            bank,
+            duration,
+        };
+        setup.readings = forms.into_iter().map(|form| setup.reading(form, speed / spacing)).collect();
+        setup.integrate();
+        Ok(setup)
+    }
+
+    /// `pace`: spacings a time unit.
+    fn reading(&self, form: Form, pace: f64) -> Reading {
+        // Heights: entry 0 grows with the first group's rise, the others with their own less that.
+        let mut rate = form.height.clone();
+        rate[0] -= form.height[1..].iter().sum::<f64>();
+        for rate in &mut rate {
+            *rate *= pace;
+        }
+        let start: Vec<f64> = form.rate.iter().map(|weight| weight * pace).collect();
+        let output = Output::new(form, &self.bank);
+        let longest = self.dt.iter().copied().fold(0.0, f64::max);
+        let bulge = self.bound(self.lengths.reach(output.second), longest * longest / 8.0);
+        let swing = self.bound(self.lengths.reach(output.amplitude), 2.0);
+        let none = DMatrix::zeros(0, 0);
+        Reading {
+            rise: start,
+            rate,
+            bulge: [bulge, swing],
+            square: [none.clone(), none],
+            output,
+        }
+    }
+
+    /// A bound on weights · lengths over all legs of a period, from the state at its start: lengths
+    /// do not grow on a leg, and at a station by no more than the jump of the steady position.
+    fn bound(&self, weights: [Lanes; 2], scale: f64) -> Bound {
+        let [y, w] = weights.map(|weights| weights * scale);
+        let groups = &self.layout.groups;
+        let share = |group: usize| {
+            let (beta, gamma) = (self.climb[group].abs(), self.drag[group].abs());
+            y.dot(gamma + self.bank.two_zeta * beta) + w.dot(beta)
+        };
+        let after = (0..groups.len()).map(share).collect();
+        let before =
+            (0..groups.len()).map(|group| if groups[group].leg > 0 { 2.0 * share(group) } else { 0.0 }).collect();
+        Bound { state: [y, w], after, before }
+    }
+
+    /// Adds to the readings what holds for whole legs: values at their ends, squares.
+    fn integrate(&mut self) {
+        let (layout, groups) = (Arc::clone(&self.layout), self.layout.groups.len());
+        let select = self.selections();
+        let mut at = select[0].clone();
+        let rows = layout.rows();
+        let mut squares = vec![[DMatrix::zeros(rows, rows), DMatrix::zeros(rows, rows)]; self.readings.len()];
+        for leg in 0..layout.legs {
+            for (reading, squares) in self.readings.iter().zip(&mut squares) {
+                let square = at.transpose() * self.gramian(&self.functional(reading), self.dt[leg]) * &at;
+                squares[0] += &square;
+                if leg < layout.tail {
+                    squares[1] += square;
+                }
+            }
+            let after = self.matrix(self.dt[leg]) * &at;
+            if leg + 1 < layout.legs {
+                at = after;
+                let rises = 2 * MODES..2 * MODES + groups;
+                for row in rises {
+                    at.set_row(row, &select[leg + 1].row(row));
+                }
+            }
+        }
+        for (reading, squares) in self.readings.iter_mut().zip(squares) {
+            reading.square = squares;
+        }
+    }
+
+    /// A leg's vector at its start, but for state and heights, from a period's rows: one a leg.
+    /// (Its vector: d, ẏ/ω, rises, heights, first elevations.)
+    fn selections(&self) -> Vec<DMatrix<f64>> {
+        let layout = &self.layout;
+        let groups = layout.groups.len();
+        let rows = layout.rows();
+        let inner: Vec<usize> = layout.inner().collect();
+        let extra = if layout.heights { 2 * groups } else { 0 };
+        let of_leg = |leg: usize| {
+            let mut select = DMatrix::zeros(2 * MODES + groups + extra, rows);
+            for state in 0..2 * MODES {
+                select[(state, state)] = 1.0;
+            }
+            for group in 0..groups {
+                let before = inner.iter().position(|&g| g == group).filter(|_| layout.groups[group].leg > leg);
+                let column = before.map_or(group, |place| groups + place);
+                select[(2 * MODES + group, 2 * MODES + column)] = 1.0;
+            }
+            for height in 0..extra {
+                select[(2 * MODES + groups + height, rows - extra + height)] = 1.0;
+            }
+            select
+        };
+        (0..layout.legs).map(of_leg).collect()
+    }
+
+    /// A reading on a leg's vector.
+    fn functional(&self, reading: &Reading) -> DVector<f64> {
+        let Form { d, v, height, first, .. } = &reading.output.form;
+        let mut weights = [&d.0[..MODES], &v.0[..MODES], &reading.rise].concat();
+        if self.layout.heights {
+            weights.extend([&height[..], first].concat());
+        }
+        DVector::from_vec(weights)
+    }
+
+    /// Transition of a leg's vector over a time.
+    fn matrix(&self, time: f64) -> DMatrix<f64> {
+        let groups = self.layout.groups.len();
+        let size = 2 * MODES + groups + if self.layout.heights { 2 * groups } else { 0 };
+        let mut matrix = DMatrix::identity(size, size);
+        let Transition { g, s, w, h, .. } = self.bank.over(time);
+        for mode in 0..MODES {
+            let (d, v) = (mode, MODES + mode);
+            matrix[(d, d)] -= g[mode];
+            matrix[(d, v)] = s[mode];
+            matrix[(v, d)] = -s[mode];
+            matrix[(v, v)] -= w[mode];
+            for group in 0..groups {
+                let (beta, gamma) = (self.climb[group][mode], self.drag[group][mode]);
+                matrix[(d, 2 * MODES + group)] = g[mode] * gamma - h[mode] * beta;
+                matrix[(v, 2 * MODES + group)] = g[mode] * beta + s[mode] * gamma;
+            }
+        }
+        if self.layout.heights {
+            let period: f64 = self.dt.iter().sum();
+            for group in 0..groups {
+                let height = 2 * MODES + groups + group;
+                matrix[(height, 2 * MODES)] -= time / period;
+                matrix[(height, 2 * MODES + group)] += time / period;
+            }
+            matrix[(2 * MODES + groups, 2 * MODES)] = time / period;
+        }
+        matrix
+    }
+
+    /// ∫ (form · transition)ᵀ (form · transition) over a leg: by Gauss's rule over a radian of the
+    /// stiffest mode, W(2t) = W(t) + E(t)ᵀ W(t) E(t) beyond.
+    fn gramian(&self, form: &DVector<f64>, time: f64) -> DMatrix<f64> {
+        let (doublings, mut time) = self.bank.halved(time);
+        let mut sum = DMatrix::zeros(form.len(), form.len());
+        for (node, weight) in GAUSS {
+            for node in [-node, node] {
+                let row = self.matrix(0.5 * time * (1.0 + node)).transpose() * form;
+                sum += (0.5 * time * weight) * &row * row.transpose();
+            }
+        }
+        for _ in 0..doublings {
+            let step = self.matrix(time);
+            sum += step.transpose() * &sum * step;
+            time *= 2.0;
+        }
+        sum
+    }
+}

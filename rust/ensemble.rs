@@ -24,16 +24,12 @@ use crate::watch::Pulse;
 
 mod kernel;
 mod records;
+mod row;
 mod setup;
 
 use kernel::{Constants, March, PERIODS};
+pub use row::{RUNS, Row};
 use setup::{Setup, Stations};
-
-/// Runs side by side.
-pub const RUNS: usize = 8;
-
-/// A number of each of the runs side by side.
-pub type Row = [f64; RUNS];
 
 /// Largest elevation: as in a profile, its square must stay in double precision.
 const HIGHEST: f64 = 1e100;
@@ -324,7 +320,7 @@ impl<R: Reader> Worker<R> {
         let constants = Constants::new(&shared);
         let layout = Arc::clone(&setups[0].layout);
         let mut march = March::new(&layout, &constants);
-        march.restart(&mut self.reader);
+        march.start(&mut self.reader);
         for period in (0..layout.periods).step_by(PERIODS) {
             if stop.load(Ordering::Relaxed) {
                 return Err(Error::Interrupted);
@@ -338,7 +334,7 @@ impl<R: Reader> Worker<R> {
             let setup = &mut setups[lane.min(last)];
             // What is not finite stays so, in state and moments.
             let valid = plan.stations > 1 || {
-                let mut z = [[0.0; RUNS]];
+                let mut z = [Row::ZERO];
                 (0..plan.tracks).all(|track| {
                     self.reader.read(track, 0, &mut z);
                     z[0][lane].is_finite()

@@ -1,28 +1,34 @@
 //! Runs side by side, a block of periods at a time: slopes, states, moments, values.
 //!
-//! A block's numbers stay in the first-level cache from one pass to the next. Every pass is a plain
-//! loop over arrays of lanes; no operation mixes lanes or is fused, so that a run's bits depend
-//! neither on its neighbours nor on the width of the machine's vectors.
+//! A block's numbers stay in the first-level cache from one pass to the next; every pass is a plain
+//! loop over rows. (The rows' bounds are left to be checked in these loops on purpose: the compiler
+//! would otherwise vectorise across periods instead of runs, by gathering and scattering.)
+
+use std::ops::Range;
 
 use multiversion::multiversion;
 
 use super::records::{Candidate, Records};
+use super::row::{RUNS, Row};
 use super::setup::{Bound, Layout, MODES, Reading, Setup};
-use super::{Reader, RUNS, Row};
+use super::Reader;
 use crate::lanes::Lanes;
-use crate::transition::{Drive, State};
+use crate::transition::{self, State};
 
 /// Periods of a block.
 pub(super) const PERIODS: usize = 32;
 
-const ZERO: Row = [0.0; RUNS];
+const ZERO: Row = Row::ZERO;
 
 /// A row for each period of a block.
 type Rows = [Row; PERIODS];
 
+/// d and ẏ/ω of each mode.
+type States<T> = [T; 2 * MODES];
+
 /// A number of every lane's set-up.
 fn gather(setups: &[&Setup], part: impl Fn(&Setup) -> f64) -> Row {
-    std::array::from_fn(|lane| part(setups[lane.min(setups.len() - 1)]))
+    Row(std::array::from_fn(|lane| part(setups[lane.min(setups.len() - 1)])))
 }
 
 /// One mode's transition over a leg.
@@ -43,21 +49,21 @@ struct Weights {
     end_rise: Vec<Vec<Row>>,
     height: Vec<Row>,
     first: Vec<Row>,
-    bulge: [BoundRow; 2],
+    bulge: [BoundRows; 2],
 }
 
 /// See [`Bound`].
-struct BoundRow {
-    state: [[Row; MODES]; 2],
+struct BoundRows {
+    state: States<Row>,
     after: Vec<Row>,
     before: Vec<Row>,
 }
 
-impl BoundRow {
+impl BoundRows {
     fn new(setups: &[&Setup], of: impl Fn(&Setup) -> &Bound) -> Self {
         let groups = setups[0].layout.groups.len();
         Self {
-            state: [0, 1].map(|part| std::array::from_fn(|m| gather(setups, |s| of(s).state[part][m]))),
+            state: std::array::from_fn(|i| gather(setups, |s| of(s).state[i / MODES][i % MODES])),
             after: (0..groups).map(|g| gather(setups, |s| of(s).after[g])).collect(),
             before: (0..groups).map(|g| gather(setups, |s| of(s).before[g])).collect(),
         }
@@ -85,36 +91,25 @@ impl Constants {
             w: gather(setups, |s| s.transition[leg].w[m]),
             h: gather(setups, |s| s.transition[leg].h[m]),
         };
-        let a_mode = |of: &dyn Fn(&Setup) -> Lanes| std::array::from_fn(|m| gather(setups, |s| of(s)[m]));
+        let by_mode = |of: &dyn Fn(&Setup) -> Lanes| std::array::from_fn(|m| gather(setups, |s| of(s)[m]));
         let weights = |output: usize| {
-            let a_group = |of: &dyn Fn(&Reading, usize) -> f64| -> Vec<Row> {
-                (0..groups).map(|g| gather(setups, |s| of(&s.readings[output], g))).collect()
+            let by_group = |of: &dyn Fn(&Reading, &Setup, usize) -> f64| -> Vec<Row> {
+                (0..groups).map(|g| gather(setups, |s| of(&s.readings[output], s, g))).collect()
             };
             Weights {
-                d: a_mode(&|s| s.readings[output].output.form.d),
-                v: a_mode(&|s| s.readings[output].output.form.v),
-                rise: a_group(&|r, g| r.rise[g]),
-                end_rise: (0..legs)
-                    .map(|leg| {
-                        (0..groups)
-                            .map(|g| {
-                                gather(setups, |s| {
-                                    let r = &s.readings[output];
-                                    r.rise[g] + r.rate[g] * s.dt[leg]
-                                })
-                            })
-                            .collect()
-                    })
-                    .collect(),
-                height: a_group(&|r, g| r.output.form.height[g]),
-                first: a_group(&|r, g| r.output.form.first[g]),
-                bulge: [0, 1].map(|kind| BoundRow::new(setups, |s| &s.readings[output].bulge[kind])),
+                d: by_mode(&|s| s.readings[output].output.form.d),
+                v: by_mode(&|s| s.readings[output].output.form.v),
+                rise: by_group(&|r, _, g| r.rise[g]),
+                end_rise: (0..legs).map(|leg| by_group(&|r, s, g| r.rise[g] + r.rate[g] * s.dt[leg])).collect(),
+                height: by_group(&|r, _, g| r.height[g]),
+                first: by_group(&|r, _, g| r.first[g]),
+                bulge: [0, 1].map(|kind| BoundRows::new(setups, |s| &s.readings[output].bulge[kind])),
             }
         };
         Self {
             steps: (0..legs).map(|leg| std::array::from_fn(|m| step(leg, m))).collect(),
-            climb: (0..groups).map(|g| a_mode(&|s| s.climb[g])).collect(),
-            drag: (0..groups).map(|g| a_mode(&|s| s.drag[g])).collect(),
+            climb: (0..groups).map(|g| by_mode(&|s| s.climb[g])).collect(),
+            drag: (0..groups).map(|g| by_mode(&|s| s.drag[g])).collect(),
             weights: (0..setups[0].readings.len()).map(weights).collect(),
             from_station: (0..legs)
                 .map(|leg| (0..groups).map(|g| gather(setups, |s| s.begin[leg] - s.part[g])).collect())
@@ -126,10 +121,21 @@ impl Constants {
 /// One group's elevations and rises in a block.
 #[derive(Clone)]
 struct Ground {
-    /// Elevation of the last station met before each period's own, and one more.
+    /// Elevation of the station met in each period, and of the next one.
     z: [Row; PERIODS + 1],
-    /// Rise up to each period's station, and one more: rise\[i + 1\] follows station i.
+    /// Rise up to the station met in each period, and from the last one on.
     rise: [Row; PERIODS + 1],
+}
+
+/// What drives the modes from one leg of a period on: rates of their static positions ÷ ω and
+/// forces ÷ ω², in the period at hand and in the one before.
+#[derive(Clone)]
+struct Drive {
+    groups: Range<usize>,
+    beta: [Row; MODES],
+    gamma: [Row; MODES],
+    last_beta: [Row; MODES],
+    last_gamma: [Row; MODES],
 }
 
 /// Where several runs are on their way.
@@ -139,23 +145,21 @@ pub(super) struct March<'a> {
     ground: Vec<Ground>,
     /// First elevations less those of the first group.
     first: Vec<Row>,
+    first_rows: Vec<Rows>,
     origin: Row,
-    /// State at the start of each leg, leg by leg: d and ẏ/ω of each mode, a row a period.
-    states: Vec<[Rows; 2 * MODES]>,
-    state: [Row; 2 * MODES],
+    /// States at the start of each leg, leg by leg, and at the end of the block.
+    states: Vec<States<Rows>>,
+    state: States<Row>,
     /// Heights at the start of each leg, leg by leg, group by group.
     heights: Vec<Vec<Rows>>,
-    /// What drives the modes, by the leg on which it sets in: rate and force of the static position.
-    drive: Vec<[[Rows; MODES]; 2]>,
-    /// The same in the period before.
-    last_drive: Vec<[[Row; MODES]; 2]>,
+    /// Leg by leg.
+    drives: Vec<Drive>,
     /// Values of one output at the starts of the legs, and just before their ends where these are
     /// not the next ones' starts.
     values: Vec<Rows>,
     ends: Vec<Rows>,
     /// Moments of the periods' rows, lower triangle, over the run and over its tail.
     pub moments: [Vec<Row>; 2],
-    first_rows: Vec<Rows>,
     pub records: Records,
 }
 
@@ -164,90 +168,71 @@ impl<'a> March<'a> {
         let groups = layout.groups.len();
         let rows = layout.rows();
         let heights = if layout.heights { groups } else { 0 };
-        let outputs = constants.weights.len();
+        let none = [ZERO; PERIODS];
+        let still = [ZERO; MODES];
+        let drive = |leg: usize| {
+            let begin = layout.groups.iter().take_while(|group| group.leg < leg).count();
+            let count = layout.groups.iter().filter(|group| group.leg == leg).count();
+            let groups = begin..begin + count;
+            Drive { groups, beta: still, gamma: still, last_beta: still, last_gamma: still }
+        };
         Self {
             layout,
             constants,
             ground: vec![Ground { z: [ZERO; PERIODS + 1], rise: [ZERO; PERIODS + 1] }; groups],
             first: vec![ZERO; groups],
+            first_rows: vec![none; heights],
             origin: ZERO,
-            states: vec![[[ZERO; PERIODS]; 2 * MODES]; layout.legs],
+            states: vec![[none; 2 * MODES]; layout.legs],
             state: [ZERO; 2 * MODES],
-            heights: vec![vec![[ZERO; PERIODS]; heights]; layout.legs],
-            drive: vec![[[[ZERO; PERIODS]; MODES]; 2]; layout.legs],
-            last_drive: vec![[[ZERO; MODES]; 2]; layout.legs],
-            values: vec![[ZERO; PERIODS]; layout.legs],
-            ends: vec![[ZERO; PERIODS]; if layout.damped { layout.legs } else { 0 }],
+            heights: vec![vec![none; heights]; layout.legs],
+            drives: (0..layout.legs).map(drive).collect(),
+            values: vec![none; layout.legs],
+            ends: vec![none; if layout.damped { layout.legs } else { 0 }],
             moments: [vec![ZERO; rows * (rows + 1) / 2], vec![ZERO; rows * (rows + 1) / 2]],
-            first_rows: vec![[ZERO; PERIODS]; heights],
-            records: Records::new(layout.loads, outputs),
+            records: Records::new(layout.loads, constants.weights.len()),
         }
     }
 
-    /// Begins anew, at rest on the first elevations.
-    pub fn restart(&mut self, reader: &mut impl Reader) {
-        self.state = [ZERO; 2 * MODES];
-        for ground in &mut self.ground {
-            ground.rise = [ZERO; PERIODS + 1];
+    /// Begins at rest on the first elevations.
+    pub fn start(&mut self, reader: &mut impl Reader) {
+        for (ground, group) in self.ground.iter_mut().zip(&self.layout.groups) {
+            reader.read(group.track, 0, &mut ground.z[PERIODS..]);
         }
-        self.last_drive.fill([[ZERO; MODES]; 2]);
-        for moments in &mut self.moments {
-            moments.fill(ZERO);
+        self.origin = self.ground[self.layout.datum].z[PERIODS];
+        for (first, ground) in self.first.iter_mut().zip(&self.ground) {
+            *first = ground.z[PERIODS] - self.origin;
         }
-        for group in 0..self.ground.len() {
-            let mut first = [ZERO];
-            reader.read(self.layout.groups[group].track, 0, &mut first);
-            self.ground[group].z[PERIODS] = first[0];
-        }
-        self.origin = self.ground[0].z[PERIODS];
-        for group in 0..self.ground.len() {
-            for lane in 0..RUNS {
-                self.first[group][lane] = self.ground[group].z[PERIODS][lane] - self.origin[lane];
-            }
-        }
-        if self.layout.heights {
-            for (rows, first) in self.first_rows.iter_mut().zip(&self.first) {
-                rows.fill(*first);
-            }
+        for (rows, first) in self.first_rows.iter_mut().zip(&self.first) {
+            rows.fill(*first);
         }
         // At rest nothing but these elevations enters.
-        self.records.restart();
         for (output, weights) in self.constants.weights.iter().enumerate() {
             let mut rest = ZERO;
-            for group in 1..self.ground.len() {
-                for lane in 0..RUNS {
-                    rest[lane] +=
-                        (weights.height[group][lane] + weights.first[group][lane]) * self.first[group][lane];
-                }
+            for group in 0..self.ground.len() {
+                rest += (weights.height[group] + weights.first[group]) * self.first[group];
             }
-            self.records.see(output, &rest, &rest);
+            self.records.see(output, rest, rest);
         }
     }
 
-    /// The block of `count` periods that begins with `period`; of its periods only so many legs in
-    /// the tail.
+    /// The block of `count` periods that begins with `period`; in the tail, only so many legs of one.
     pub fn block(&mut self, reader: &mut impl Reader, stations: usize, period: usize, count: usize, tail: bool) {
-        for group in 0..self.ground.len() {
-            let (track, whole) = (self.layout.groups[group].track, self.layout.groups[group].whole);
-            let ground = &mut self.ground[group];
+        for (ground, group) in self.ground.iter_mut().zip(&self.layout.groups) {
             ground.z[0] = ground.z[PERIODS];
             ground.rise[0] = ground.rise[PERIODS];
-            // Period i meets station i − whole; station + 1 ends the rise that begins there. Beyond
-            // either end the runway is level.
-            let to = (period + 1 + count).saturating_sub(whole).min(stations);
-            let level = whole.saturating_sub(period).min(count);
-            let first = (period + 1 + level).saturating_sub(whole);
-            let last = to.max(first);
-            let read = last - first;
-            for i in 0..level {
-                ground.z[i + 1] = ground.z[0];
+            // Period i meets station i − whole. Beyond either end the runway is level.
+            let level = group.whole.saturating_sub(period).min(count);
+            let first = (period + level + 1).saturating_sub(group.whole);
+            let last = (period + count + 1).saturating_sub(group.whole).min(stations).max(first);
+            let (before, after) = (level + 1, level + 1 + last - first);
+            let start = ground.z[0];
+            ground.z[1..before].fill(start);
+            if after > before {
+                reader.read(group.track, first, &mut ground.z[before..after]);
             }
-            if read > 0 {
-                reader.read(track, first, &mut ground.z[level + 1..=level + read]);
-            }
-            for i in level + read..count {
-                ground.z[i + 1] = ground.z[level + read];
-            }
+            let end = ground.z[after - 1];
+            ground.z[after..=count].fill(end);
         }
         let legs = if tail { self.layout.tail } else { self.layout.legs };
         work(self, count, legs, tail);
@@ -261,21 +246,11 @@ impl<'a> March<'a> {
 /// What of a block is arithmetic.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn work(march: &mut March, count: usize, legs: usize, tail: bool) {
-    assert!(count <= PERIODS);
-    for ground in &mut march.ground {
-        let Ground { z, rise } = ground;
-        for i in 0..count {
-            for lane in 0..RUNS {
-                rise[i + 1][lane] = z[i + 1][lane] - z[i][lane];
-            }
-        }
-    }
-    march.find_drives(count);
     match (march.layout.legs, march.layout.damped) {
-        (1, false) if !tail => march.states::<1, false>(count, legs),
-        (2, false) if !tail => march.states::<2, false>(count, legs),
-        (_, false) => march.states::<0, false>(count, legs),
-        (_, true) => march.states::<0, true>(count, legs),
+        (1, false) if !tail => march.find_states::<1, false>(count, legs),
+        (2, false) if !tail => march.find_states::<2, false>(count, legs),
+        (_, false) => march.find_states::<0, false>(count, legs),
+        (_, true) => march.find_states::<0, true>(count, legs),
     }
     if march.layout.heights {
         // The tail ends where its next leg begins.
@@ -289,80 +264,53 @@ fn work(march: &mut March, count: usize, legs: usize, tail: bool) {
 }
 
 impl March<'_> {
+    /// Rises, and states at the start of every leg; `L` legs, any number for 0.
     #[inline(always)]
-    fn find_drives(&mut self, count: usize) {
-        let Self { layout, constants, ground, drive, .. } = self;
-        let kinds = if layout.damped { 2 } else { 1 };
-        for (leg, drive) in drive.iter_mut().enumerate() {
-            for (kind, of_group) in [&constants.climb, &constants.drag].into_iter().enumerate().take(kinds) {
-                let mut fresh = true;
-                for (group, ground) in ground.iter().enumerate() {
-                    if layout.groups[group].leg != leg {
-                        continue;
-                    }
-                    for mode in 0..MODES {
-                        let weight = &of_group[group][mode];
-                        let rows = &mut drive[kind][mode];
-                        for i in 0..count {
-                            for lane in 0..RUNS {
-                                let share = weight[lane] * ground.rise[i + 1][lane];
-                                rows[i][lane] = if fresh { share } else { rows[i][lane] + share };
-                            }
-                        }
-                    }
-                    fresh = false;
-                }
-            }
-        }
-    }
-
-    /// States at the start of every leg; `L` legs, all for 0.
-    #[inline(always)]
-    fn states<const L: usize, const DAMPED: bool>(&mut self, count: usize, legs: usize) {
-        let Self { constants, states, state, drive, last_drive, .. } = self;
+    fn find_states<const L: usize, const DAMPED: bool>(&mut self, count: usize, legs: usize) {
+        let Self { constants, ground, states, state, drives, .. } = self;
+        let all = if L == 0 { drives.len() } else { L };
         let legs = if L == 0 { legs } else { L };
-        let all = drive.len();
+        let (drives, states, steps) = (&mut drives[..all], &mut states[..all], &constants.steps[..all]);
         let mut now = *state;
         for i in 0..count {
+            for drive in &mut *drives {
+                (drive.last_beta, drive.last_gamma) = (drive.beta, drive.gamma);
+                let (mut beta, mut gamma) = ([ZERO; MODES], [ZERO; MODES]);
+                for group in drive.groups.clone() {
+                    let Ground { z, rise } = &mut ground[group];
+                    let up = z[i + 1] - z[i];
+                    rise[i + 1] = up;
+                    for mode in 0..MODES {
+                        beta[mode] += constants.climb[group][mode] * up;
+                        if DAMPED {
+                            gamma[mode] += constants.drag[group][mode] * up;
+                        }
+                    }
+                }
+                (drive.beta, drive.gamma) = (beta, gamma);
+            }
             for leg in 0..legs {
-                let steps = &constants.steps[leg];
                 for mode in 0..MODES {
-                    let Step { g, s, w, h } = &steps[mode];
-                    let mut beta = ZERO;
-                    let mut gamma = ZERO;
-                    for from in 0..if L == 0 { all } else { L } {
-                        let [beta_now, gamma_now] =
-                            if from <= leg { drive[from].each_ref().map(|kind| kind[mode][i]) } else { last_drive[from].map(|kind| kind[mode]) };
-                        for lane in 0..RUNS {
-                            beta[lane] += beta_now[lane];
-                            if DAMPED {
-                                gamma[lane] += gamma_now[lane];
-                            }
+                    let Step { g, s, w, h } = steps[leg][mode];
+                    let (mut beta, mut gamma) = (drives[0].beta[mode], drives[0].gamma[mode]);
+                    for from in 1..all {
+                        let Drive { beta: new_beta, gamma: new_gamma, last_beta, last_gamma, .. } = &drives[from];
+                        beta += if from <= leg { new_beta[mode] } else { last_beta[mode] };
+                        if DAMPED {
+                            gamma += if from <= leg { new_gamma[mode] } else { last_gamma[mode] };
                         }
                     }
                     let (d, v) = (now[mode], now[MODES + mode]);
                     states[leg][mode][i] = d;
                     states[leg][MODES + mode][i] = v;
-                    let (mut after_d, mut after_v) = (ZERO, ZERO);
-                    for lane in 0..RUNS {
-                        let pull = s[lane] * v[lane] - g[lane] * d[lane];
-                        after_d[lane] = (d[lane] - h[lane] * beta[lane]) + pull;
-                        after_v[lane] =
-                            (v[lane] + g[lane] * beta[lane]) - (w[lane] * v[lane] + s[lane] * d[lane]);
-                        if DAMPED {
-                            after_d[lane] += g[lane] * gamma[lane];
-                            after_v[lane] += s[lane] * gamma[lane];
-                        }
+                    let pull = s * v - g * d;
+                    let (mut after_d, mut after_v) =
+                        ((d - h * beta) + pull, (v + g * beta) - (w * v + s * d));
+                    if DAMPED {
+                        after_d += g * gamma;
+                        after_v += s * gamma;
                     }
-                    now[mode] = after_d;
-                    now[MODES + mode] = after_v;
-                }
-            }
-            for from in 0..all {
-                for kind in 0..if DAMPED { 2 } else { 1 } {
-                    for mode in 0..MODES {
-                        last_drive[from][kind][mode] = drive[from][kind][mode][i];
-                    }
+                    (now[mode], now[MODES + mode]) = (after_d, after_v);
                 }
             }
         }
@@ -375,20 +323,16 @@ impl March<'_> {
         let Self { layout, constants, ground, heights, origin, .. } = self;
         for leg in 0..legs {
             for (group, out) in heights[leg].iter_mut().enumerate() {
-                let met = usize::from(layout.groups[group].leg <= leg);
-                let own = &constants.from_station[leg][group];
-                let met_first = usize::from(layout.groups[0].leg <= leg);
-                let of_first = &constants.from_station[leg][0];
+                let met = |group: usize| usize::from(layout.groups[group].leg <= leg);
+                let (share, datum) = (&constants.from_station[leg], layout.datum);
                 for i in 0..count {
-                    for lane in 0..RUNS {
-                        let first_climb = of_first[lane] * ground[0].rise[i + met_first][lane];
-                        let climb = own[lane] * ground[group].rise[i + met][lane];
-                        out[i][lane] = if group == 0 {
-                            (ground[0].z[i][lane] - origin[lane]) + first_climb
-                        } else {
-                            (ground[group].z[i][lane] - ground[0].z[i][lane]) + (climb - first_climb)
-                        };
-                    }
+                    let below = share[datum] * ground[datum].rise[i + met(datum)];
+                    let climb = share[group] * ground[group].rise[i + met(group)];
+                    out[i] = if group == datum {
+                        (ground[group].z[i] - *origin) + climb
+                    } else {
+                        (ground[group].z[i] - ground[datum].z[i]) + (climb - below)
+                    };
                 }
             }
         }
@@ -402,35 +346,28 @@ impl March<'_> {
         rows.extend(ground.iter().map(|ground| &ground.rise[1..=count]));
         rows.extend(layout.inner().map(|group| &ground[group].rise[..count]));
         let plain = rows.len();
-        if layout.heights {
-            rows.extend(heights[0].iter().map(|rows| &rows[..count]));
-            rows.extend(first_rows.iter().map(|rows| &rows[..count]));
-        }
+        rows.extend(heights[0].iter().map(|rows| &rows[..count]));
+        rows.extend(first_rows.iter().map(|rows| &rows[..count]));
         let moments = &mut moments[usize::from(tail)];
         let mut roots = vec![ZERO; plain];
         for top in (0..rows.len()).step_by(3) {
             let high = (rows.len() - top).min(3);
+            let pick =
+                |at: usize| std::array::from_fn::<&[Row], 3, _>(|k| rows[(at + k).min(rows.len() - 1)]);
+            let a = pick(top);
             for left in (0..=top).step_by(3) {
-                let wide = (rows.len() - left).min(3);
-                let pick = |at: usize, size: usize| {
-                    std::array::from_fn::<&[Row], 3, _>(|k| &rows[at + k.min(size - 1)][..count])
+                let sums = match (top == left, high) {
+                    (true, _) => triangle(a, count),
+                    (false, 1) => products::<1>(a, pick(left), count),
+                    (false, 2) => products::<2>(a, pick(left), count),
+                    (false, _) => products::<3>(a, pick(left), count),
                 };
-                let (a, b) = (pick(top, high), pick(left, wide));
-                let sums = if top == left { triangle(a, count) } else { square(a, b, count) };
                 for (i, sums) in sums.iter().enumerate().take(high) {
-                    for (j, sum) in sums.iter().enumerate().take(wide) {
-                        let (row, column) = (top + i, left + j);
-                        if column > row {
-                            continue;
-                        }
-                        let moment = &mut moments[row * (row + 1) / 2 + column];
-                        for lane in 0..RUNS {
-                            moment[lane] += sum[lane];
-                        }
+                    let row = top + i;
+                    for (column, sum) in (left..=row).zip(sums) {
+                        moments[row * (row + 1) / 2 + column] += *sum;
                         if column == row && row < plain {
-                            for lane in 0..RUNS {
-                                roots[row][lane] = sum[lane].sqrt();
-                            }
+                            roots[row] = sum.sqrt();
                         }
                     }
                 }
@@ -446,28 +383,29 @@ impl March<'_> {
             return;
         }
         for output in 0..self.constants.weights.len() {
-            let (mut top, mut bottom) = ([f64::NEG_INFINITY; RUNS], [f64::INFINITY; RUNS]);
+            let mut edges = [Row::all(f64::NEG_INFINITY), Row::all(f64::INFINITY)];
             for leg in 0..legs {
                 if self.layout.lines {
                     self.values_with_lines(output, leg, count);
-                    scan(&self.values[leg][..count], &mut top, &mut bottom);
+                    scan(&self.values[leg][..count], &mut edges);
                 } else if self.layout.by_rate[output] {
-                    self.plain_values::<true>(output, leg, count, &mut top, &mut bottom);
+                    self.plain_values::<true>(output, leg, count, &mut edges);
                 } else {
-                    self.plain_values::<false>(output, leg, count, &mut top, &mut bottom);
+                    self.plain_values::<false>(output, leg, count, &mut edges);
                 }
                 if self.layout.damped {
                     for i in 0..count {
                         self.ends[leg][i] = self.end_value(output, leg, legs, i, count);
                     }
-                    scan(&self.ends[leg][..count], &mut top, &mut bottom);
+                    scan(&self.ends[leg][..count], &mut edges);
                 }
             }
             let last = self.end_value(output, legs - 1, legs, count - 1, count);
-            scan(&[last], &mut top, &mut bottom);
-            self.records.see(output, &top, &bottom);
+            scan(&[last], &mut edges);
+            let [top, bottom] = edges;
+            self.records.see(output, top, bottom);
             let bulge = self.bulge(output, reach);
-            if self.records.may_hold(output, &top, &bottom, &bulge) {
+            if self.records.may_hold(output, top, bottom, bulge) {
                 self.keep(output, (count, legs), &[top, bottom, bulge, last]);
             }
         }
@@ -480,7 +418,7 @@ impl March<'_> {
         }
         for output in 0..self.constants.weights.len() {
             self.values_with_lines(output, leg, 1);
-            self.records.see(output, &self.values[leg][0], &self.values[leg][0]);
+            self.records.see(output, self.values[leg][0], self.values[leg][0]);
         }
     }
 
@@ -491,24 +429,19 @@ impl March<'_> {
         output: usize,
         leg: usize,
         count: usize,
-        top: &mut Row,
-        bottom: &mut Row,
+        [top, bottom]: &mut [Row; 2],
     ) {
+        let (mut high, mut low) = (*top, *bottom);
         let Weights { d, v, .. } = &self.constants.weights[output];
         let (states, values) = (&self.states[leg], &mut self.values[leg]);
-        let (mut high, mut low) = (*top, *bottom);
         for i in 0..count {
-            for lane in 0..RUNS {
-                let mut value = (d[0][lane] * states[0][i][lane] + d[1][lane] * states[1][i][lane])
-                    + d[2][lane] * states[2][i][lane];
-                if RATES {
-                    value += (v[0][lane] * states[3][i][lane] + v[1][lane] * states[4][i][lane])
-                        + v[2][lane] * states[5][i][lane];
-                }
-                values[i][lane] = value;
-                high[lane] = if value > high[lane] { value } else { high[lane] };
-                low[lane] = if value < low[lane] { value } else { low[lane] };
+            let mut value = (d[0] * states[0][i] + d[1] * states[1][i]) + d[2] * states[2][i];
+            if RATES {
+                value += (v[0] * states[3][i] + v[1] * states[4][i]) + v[2] * states[5][i];
             }
+            values[i] = value;
+            high = high.max(value);
+            low = low.min(value);
         }
         (*top, *bottom) = (high, low);
     }
@@ -521,34 +454,16 @@ impl March<'_> {
         for i in 0..count {
             let mut value = ZERO;
             for mode in 0..MODES {
-                for lane in 0..RUNS {
-                    value[lane] += weights.d[mode][lane] * states[leg][mode][i][lane]
-                        + weights.v[mode][lane] * states[leg][MODES + mode][i][lane];
-                }
+                value += weights.d[mode] * states[leg][mode][i] + weights.v[mode] * states[leg][MODES + mode][i];
             }
             for group in 0..ground.len() {
                 let met = usize::from(layout.groups[group].leg <= leg);
-                for lane in 0..RUNS {
-                    value[lane] += weights.rise[group][lane] * ground[group].rise[i + met][lane];
-                    if layout.heights {
-                        value[lane] += weights.height[group][lane] * heights[leg][group][i][lane]
-                            + weights.first[group][lane] * first[group][lane];
-                    }
+                value += weights.rise[group] * ground[group].rise[i + met];
+                if layout.heights {
+                    value += weights.height[group] * heights[leg][group][i] + weights.first[group] * first[group];
                 }
             }
             values[leg][i] = value;
-        }
-    }
-
-    /// State just before the end of a leg.
-    #[inline(always)]
-    fn end_state(&self, leg: usize, legs: usize, i: usize, count: usize) -> [Row; 2 * MODES] {
-        if leg + 1 < legs {
-            std::array::from_fn(|part| self.states[leg + 1][part][i])
-        } else if i + 1 < count {
-            std::array::from_fn(|part| self.states[0][part][i + 1])
-        } else {
-            self.state
         }
     }
 
@@ -556,24 +471,24 @@ impl March<'_> {
     #[inline(always)]
     fn end_value(&self, output: usize, leg: usize, legs: usize, i: usize, count: usize) -> Row {
         let weights = &self.constants.weights[output];
-        let state = self.end_state(leg, legs, i, count);
+        let state: States<Row> = if leg + 1 < legs {
+            std::array::from_fn(|part| self.states[leg + 1][part][i])
+        } else if i + 1 < count {
+            std::array::from_fn(|part| self.states[0][part][i + 1])
+        } else {
+            self.state
+        };
         let mut value = ZERO;
         for mode in 0..MODES {
-            for lane in 0..RUNS {
-                value[lane] += weights.d[mode][lane] * state[mode][lane]
-                    + weights.v[mode][lane] * state[MODES + mode][lane];
-            }
+            value += weights.d[mode] * state[mode] + weights.v[mode] * state[MODES + mode];
         }
         if self.layout.lines {
             for group in 0..self.ground.len() {
                 let met = usize::from(self.layout.groups[group].leg <= leg);
-                for lane in 0..RUNS {
-                    value[lane] +=
-                        weights.end_rise[leg][group][lane] * self.ground[group].rise[i + met][lane];
-                    if self.layout.heights {
-                        value[lane] += weights.height[group][lane] * self.heights[leg][group][i][lane]
-                            + weights.first[group][lane] * self.first[group][lane];
-                    }
+                value += weights.end_rise[leg][group] * self.ground[group].rise[i + met];
+                if self.layout.heights {
+                    value += weights.height[group] * self.heights[leg][group][i]
+                        + weights.first[group] * self.first[group];
                 }
             }
         }
@@ -585,24 +500,17 @@ impl March<'_> {
     fn bulge(&self, output: usize, reach: &[Row]) -> Row {
         let groups = self.ground.len();
         let [by_bend, by_swing] = &self.constants.weights[output].bulge;
-        let mut bounds = [ZERO; 2];
-        for (bound, BoundRow { state, after, before }) in bounds.iter_mut().zip([by_bend, by_swing]) {
-            for lane in 0..RUNS {
-                for mode in 0..MODES {
-                    bound[lane] += state[0][mode][lane] * reach[mode][lane]
-                        + state[1][mode][lane] * reach[MODES + mode][lane];
-                }
-                for group in 0..groups {
-                    bound[lane] += after[group][lane] * reach[2 * MODES + group][lane];
-                }
+        let [by_bend, by_swing] = [by_bend, by_swing].map(|BoundRows { state, after, before }| {
+            let mut bound = ZERO;
+            for (weight, reach) in state.iter().chain(after).zip(reach) {
+                bound += *weight * *reach;
             }
-            for (place, group) in self.layout.inner().enumerate() {
-                for lane in 0..RUNS {
-                    bound[lane] += before[group][lane] * reach[2 * MODES + groups + place][lane];
-                }
+            for (group, reach) in self.layout.inner().zip(&reach[2 * MODES + groups..]) {
+                bound += before[group] * *reach;
             }
-        }
-        std::array::from_fn(|lane| bounds[0][lane].min(bounds[1][lane]))
+            bound
+        });
+        by_bend.min(by_swing)
     }
 
     /// Keeps the stretches of a block that may hold a record of an output.
@@ -644,7 +552,7 @@ impl March<'_> {
         let weights = &self.constants.weights[output];
         let none = Lanes::ZERO;
         let mut state = State { d: none, v: none, p: none };
-        let mut drive = Drive { beta: none, gamma: none };
+        let mut drive = transition::Drive { beta: none, gamma: none };
         let (mut start, mut growth) = (0.0, 0.0);
         for mode in 0..MODES {
             state.d[mode] = self.states[leg][mode][i][lane];
@@ -668,27 +576,26 @@ impl March<'_> {
     }
 }
 
+/// Largest and smallest of some rows.
 #[inline(always)]
-fn scan(values: &[Row], top: &mut Row, bottom: &mut Row) {
+fn scan(values: &[Row], [top, bottom]: &mut [Row; 2]) {
+    let (mut high, mut low) = (*top, *bottom);
     for value in values {
-        for lane in 0..RUNS {
-            top[lane] = if value[lane] > top[lane] { value[lane] } else { top[lane] };
-            bottom[lane] = if value[lane] < bottom[lane] { value[lane] } else { bottom[lane] };
-        }
+        high = high.max(*value);
+        low = low.min(*value);
     }
+    (*top, *bottom) = (high, low);
 }
 
-/// Sums of products of three rows with three.
+/// Sums of products of `N` ≤ 3 rows with three.
 #[inline(always)]
-fn square(a: [&[Row]; 3], b: [&[Row]; 3], count: usize) -> [[Row; 3]; 3] {
+fn products<const N: usize>(a: [&[Row]; 3], b: [&[Row]; 3], count: usize) -> [[Row; 3]; 3] {
     let (a, b) = (a.map(|row| &row[..count]), b.map(|row| &row[..count]));
     let mut sums = [[ZERO; 3]; 3];
     for i in 0..count {
-        for row in 0..3 {
+        for row in 0..N {
             for column in 0..3 {
-                for lane in 0..RUNS {
-                    sums[row][column][lane] += a[row][i][lane] * b[column][i][lane];
-                }
+                sums[row][column] += a[row][i] * b[column][i];
             }
         }
     }
@@ -703,9 +610,7 @@ fn triangle(a: [&[Row]; 3], count: usize) -> [[Row; 3]; 3] {
     for i in 0..count {
         for row in 0..3 {
             for column in 0..=row {
-                for lane in 0..RUNS {
-                    sums[row][column][lane] += a[row][i][lane] * a[column][i][lane];
-                }
+                sums[row][column] += a[row][i] * a[column][i];
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The records of runs side by side, and the stretches that may yet break them.
 
+use super::row::{RUNS, Row};
 use super::setup::{Reading, Setup};
-use super::{RUNS, Row};
 use crate::extremes::Extreme;
 use crate::readout::Line;
 use crate::transition::{Drive, State};
@@ -37,42 +37,28 @@ pub(super) struct Records {
 impl Records {
     pub fn new(loads: usize, outputs: usize) -> Self {
         let record = || Record {
-            best: [[f64::NEG_INFINITY; RUNS]; 2],
+            best: [Row::all(f64::NEG_INFINITY); 2],
             candidates: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
         };
         Self { loads, records: (0..outputs).map(|_| record()).collect() }
     }
 
-    pub fn restart(&mut self) {
-        for record in &mut self.records {
-            record.best = [[f64::NEG_INFINITY; RUNS]; 2];
-            record.candidates.iter_mut().flatten().for_each(Vec::clear);
-        }
-    }
-
     /// Takes in the largest and smallest values of some more ends of legs.
     #[inline(always)]
-    pub fn see(&mut self, output: usize, top: &Row, bottom: &Row) {
+    pub fn see(&mut self, output: usize, top: Row, bottom: Row) {
         let [high, low] = &mut self.records[output].best;
-        for lane in 0..RUNS {
-            high[lane] = if top[lane] > high[lane] { top[lane] } else { high[lane] };
-            low[lane] = if -bottom[lane] > low[lane] { -bottom[lane] } else { low[lane] };
-            if output >= self.loads {
-                high[lane] = if low[lane] > high[lane] { low[lane] } else { high[lane] };
-                low[lane] = high[lane];
-            }
+        (*high, *low) = (high.max(top), low.max(Row::ZERO - bottom));
+        if output >= self.loads {
+            let magnitude = high.max(*low);
+            (*high, *low) = (magnitude, magnitude);
         }
     }
 
     /// Whether any run may break a record somewhere between ends with these values.
     #[inline(always)]
-    pub fn may_hold(&self, output: usize, top: &Row, bottom: &Row, bulge: &Row) -> bool {
-        let [high, low] = &self.records[output].best;
-        let mut any = false;
-        for lane in 0..RUNS {
-            any |= (top[lane] + bulge[lane] > high[lane]) | (bulge[lane] - bottom[lane] > low[lane]);
-        }
-        any
+    pub fn may_hold(&self, output: usize, top: Row, bottom: Row, bulge: Row) -> bool {
+        let [high, low] = self.records[output].best;
+        (top + bulge).any_above(high) | (bulge - bottom).any_above(low)
     }
 
     /// Largest value of F (`side` 0) or −F (1).

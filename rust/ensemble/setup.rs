@@ -50,7 +50,10 @@ pub(super) struct Group {
 /// What runs side by side must have in common.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
+    /// In the order of their legs.
     pub groups: Vec<Group>,
+    /// The group above whose elevation those of the others count.
+    pub datum: usize,
     /// Legs of a period.
     pub legs: usize,
     /// Periods until the last gear is in that of its last station, and legs left in that.
@@ -88,6 +91,9 @@ pub(super) struct Reading {
     pub output: Output,
     /// Weights of the rises over a spacing, one a group.
     pub rise: Vec<f64>,
+    /// Weights of heights and of first elevations, one a group.
+    pub height: Vec<f64>,
+    pub first: Vec<f64>,
     /// Rate of the straight-line part over a leg per rise.
     pub rate: Vec<f64>,
     /// Weights of |d|, |ẏ/ω| and of the groups' rises before and after their stations in a bound on
@@ -178,7 +184,7 @@ impl Setup {
         rests.sort_by(f64::total_cmp);
         rests.dedup_by(|later, earlier| *later - *earlier <= HARMLESS * spacing);
         let leg_of = |rest: f64| rests.iter().rposition(|&begin| begin <= rest).unwrap_or(0);
-        let groups: Vec<Group> = run
+        let in_order: Vec<Group> = run
             .tracks
             .iter()
             .zip(&lags)
@@ -187,6 +193,9 @@ impl Setup {
                 Group { track: source.unwrap_or(0), whole, leg: leg_of(rest) }
             })
             .collect();
+        let mut order: Vec<usize> = (0..in_order.len()).collect();
+        order.sort_by_key(|&track| in_order[track].leg);
+        let groups: Vec<Group> = order.iter().map(|&track| in_order[track]).collect();
         let behind = groups.iter().map(|group| (group.whole, group.leg)).max().unwrap_or((0, 0));
         let lag = run.tracks.iter().map(|track| track.lag).fold(Distance::sum(0.0, 0.0), |a, b| {
             if a.shorter(b) == a { b } else { a }
@@ -211,6 +220,7 @@ impl Setup {
             by_rate: forms.iter().map(|form| any(&form.v.0)).collect(),
             lines: forms.iter().any(Form::has_line),
             heights: forms.iter().any(|form| any(&form.height) || any(&form.first)),
+            datum: order.iter().position(|&track| track == 0).unwrap_or(0),
             groups,
         };
         let per_rise = |rate: Lanes| rate * (1.0 / spacing);
@@ -218,8 +228,8 @@ impl Setup {
             begin: rests.iter().map(|rest| rest / spacing).collect(),
             part: layout.groups.iter().map(|group| rests[group.leg] / spacing).collect(),
             transition: dt.iter().map(|&dt| bank.over(dt)).collect(),
-            climb: run.tracks.iter().map(|track| per_rise(track.climb)).collect(),
-            drag: run.tracks.iter().map(|track| per_rise(track.drag * speed)).collect(),
+            climb: order.iter().map(|&track| per_rise(run.tracks[track].climb)).collect(),
+            drag: order.iter().map(|&track| per_rise(run.tracks[track].drag * speed)).collect(),
             static_load: modes.aircraft().static_load().to_vec(),
             readings: Vec::new(),
             lengths: Arc::new(lengths),
@@ -228,27 +238,28 @@ impl Setup {
             bank,
             duration,
         };
-        setup.readings = forms.into_iter().map(|form| setup.reading(form, speed / spacing)).collect();
+        setup.readings = forms.into_iter().map(|form| setup.reading(form, &order, speed / spacing)).collect();
         setup.integrate();
         Ok(setup)
     }
 
-    /// `pace`: spacings a time unit.
-    fn reading(&self, form: Form, pace: f64) -> Reading {
-        // Heights: entry 0 grows with the first group's rise, the others with their own less that.
+    /// `order`: the run's tracks as groups; `pace`: spacings a time unit.
+    fn reading(&self, form: Form, order: &[usize], pace: f64) -> Reading {
+        // Heights: that of the first track grows with its rise, the others with their own less that.
         let mut rate = form.height.clone();
         rate[0] -= form.height[1..].iter().sum::<f64>();
-        for rate in &mut rate {
-            *rate *= pace;
-        }
-        let start: Vec<f64> = form.rate.iter().map(|weight| weight * pace).collect();
+        let of_groups = |weights: &[f64], scale: f64| order.iter().map(|&track| weights[track] * scale).collect();
+        let (rise, rate) = (of_groups(&form.rate, pace), of_groups(&rate, pace));
+        let (height, first) = (of_groups(&form.height, 1.0), of_groups(&form.first, 1.0));
         let output = Output::new(form, &self.bank);
         let longest = self.dt.iter().copied().fold(0.0, f64::max);
         let bulge = self.bound(self.lengths.reach(output.second), longest * longest / 8.0);
         let swing = self.bound(self.lengths.reach(output.amplitude), 2.0);
         let none = DMatrix::zeros(0, 0);
         Reading {
-            rise: start,
+            rise,
+            height,
+            first,
             rate,
             bulge: [bulge, swing],
             square: [none.clone(), none],
@@ -328,8 +339,8 @@ impl Setup {
 
     /// A reading on a leg's vector.
     fn functional(&self, reading: &Reading) -> DVector<f64> {
-        let Form { d, v, height, first, .. } = &reading.output.form;
-        let mut weights = [&d.0[..MODES], &v.0[..MODES], &reading.rise].concat();
+        let (Form { d, v, .. }, Reading { rise, height, first, .. }) = (&reading.output.form, reading);
+        let mut weights = [&d.0[..MODES], &v.0[..MODES], rise].concat();
         if self.layout.heights {
             weights.extend([&height[..], first].concat());
         }
@@ -358,10 +369,11 @@ impl Setup {
             let period: f64 = self.dt.iter().sum();
             for group in 0..groups {
                 let height = 2 * MODES + groups + group;
-                matrix[(height, 2 * MODES)] -= time / period;
+                if group != self.layout.datum {
+                    matrix[(height, 2 * MODES + self.layout.datum)] -= time / period;
+                }
                 matrix[(height, 2 * MODES + group)] += time / period;
             }
-            matrix[(2 * MODES + groups, 2 * MODES)] = time / period;
         }
         matrix
     }

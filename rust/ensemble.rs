@@ -245,12 +245,12 @@ impl Plan {
 /// A plan that cannot be run, or what `pulse` gives.
 pub fn simulate(plan: &Plan, runs: usize, source: &impl Source, pulse: Pulse) -> Result<Statistics> {
     plan.check(runs)?;
-    let single = if plan.is_single() { Some(plan.setup(0)?) } else { None };
+    let shared = if plan.is_single() { Some(Lot::new(vec![plan.setup(0)?])) } else { None };
     let blocks: Vec<Range<usize>> =
         (0..runs).step_by(RUNS).map(|first| first..(first + RUNS).min(runs)).collect();
     let stop = AtomicBool::new(false);
-    let work = |worker: &mut Worker<_>, block: &Range<usize>| worker.run(plan, single.as_ref(), block.clone(), &stop);
-    let worker = || Worker { reader: source.reader(), setups: Vec::new() };
+    let worker = || Worker { plan, stop: &stop, reader: source.reader(), march: shared.as_ref().map(Lot::march) };
+    let work = |worker: &mut Worker<_>, block: &Range<usize>| worker.block(block.clone());
     let mut parts = Vec::new();
     let mut outcome = Ok(());
     if blocks.len() == 1 {
@@ -281,93 +281,78 @@ pub fn simulate(plan: &Plan, runs: usize, source: &impl Source, pulse: Pulse) ->
     Ok(all)
 }
 
-/// One thread's tools.
-struct Worker<R> {
-    reader: R,
+/// Runs that march side by side: set up alike, or each in its own way.
+struct Lot {
     setups: Vec<Setup>,
+    constants: Constants,
 }
 
-impl<R: Reader> Worker<R> {
-    fn run(&mut self, plan: &Plan, single: Option<&Setup>, runs: Range<usize>, stop: &AtomicBool) -> Result<Statistics> {
-        if let Some(setup) = single {
-            if self.setups.is_empty() {
-                self.setups.push(setup.clone());
-            }
-        } else {
-            self.setups = runs.clone().map(|run| plan.setup(run)).collect::<Result<_>>()?;
-        }
+impl Lot {
+    fn new(setups: Vec<Setup>) -> Self {
+        Self { constants: Constants::new(&setups), setups }
+    }
+
+    fn march(&self) -> March<'_> {
+        March::new(&self.setups, &self.constants)
+    }
+}
+
+/// One thread's tools.
+struct Worker<'a, R> {
+    plan: &'a Plan,
+    stop: &'a AtomicBool,
+    reader: R,
+    /// Of runs that are all set up alike.
+    march: Option<March<'a>>,
+}
+
+impl<R: Reader> Worker<'_, R> {
+    fn block(&mut self, runs: Range<usize>) -> Result<Statistics> {
+        let Self { plan, stop, reader, march } = self;
         let mut found = Statistics::default();
-        // Runs march side by side as far as their stations fall alike.
-        let mut from = 0;
-        while from < runs.len() {
-            let alike = if single.is_some() {
-                runs.len()
-            } else {
-                let layout = &self.setups[from].layout;
-                from + self.setups[from..].iter().take_while(|setup| setup.layout == *layout).count()
-            };
-            let setups = if single.is_some() { 0..1 } else { from..alike };
-            self.reader.open(runs.start + from, alike - from);
-            self.march(plan, setups, runs.start + from..runs.start + alike, stop, &mut found)?;
-            from = alike;
+        if let Some(march) = march {
+            march_over(plan, stop, march, reader, runs, &mut found)?;
+            return Ok(found);
+        }
+        let mut setups: Vec<Setup> = runs.clone().map(|run| plan.setup(run)).collect::<Result<_>>()?;
+        let mut first = runs.start;
+        while !setups.is_empty() {
+            // Runs march side by side as far as their stations fall alike.
+            let layout = Arc::clone(&setups[0].layout);
+            let alike = setups.iter().take_while(|setup| setup.layout == layout).count();
+            let others = setups.split_off(alike);
+            let lot = Lot::new(setups);
+            march_over(plan, stop, &mut lot.march(), reader, first..first + alike, &mut found)?;
+            (setups, first) = (others, first + alike);
         }
         Ok(found)
     }
+}
 
-    fn march(&mut self, plan: &Plan, which: Range<usize>, runs: Range<usize>, stop: &AtomicBool, found: &mut Statistics) -> Result<()> {
-        let setups = &mut self.setups[which];
-        let shared: Vec<&Setup> = setups.iter().collect();
-        let constants = Constants::new(&shared);
-        let layout = Arc::clone(&setups[0].layout);
-        let mut march = March::new(&layout, &constants);
-        march.start(&mut self.reader);
-        for period in (0..layout.periods).step_by(PERIODS) {
-            if stop.load(Ordering::Relaxed) {
-                return Err(Error::Interrupted);
-            }
-            march.block(&mut self.reader, plan.stations, period, PERIODS.min(layout.periods - period), false);
+/// Runs up to [`RUNS`] profiles side by side.
+fn march_over(
+    plan: &Plan,
+    stop: &AtomicBool,
+    march: &mut March,
+    reader: &mut impl Reader,
+    runs: Range<usize>,
+    found: &mut Statistics,
+) -> Result<()> {
+    reader.open(runs.start, runs.len());
+    march.start(reader);
+    let periods = march.layout.periods;
+    for period in (0..periods).step_by(PERIODS) {
+        if stop.load(Ordering::Relaxed) {
+            return Err(Error::Interrupted);
         }
-        march.block(&mut self.reader, plan.stations, layout.periods, 1, true);
-        let March { records, moments, .. } = &mut march;
-        let last = setups.len() - 1;
-        for (lane, run) in runs.enumerate() {
-            let setup = &mut setups[lane.min(last)];
-            // What is not finite stays so, in state and moments.
-            let valid = plan.stations > 1 || {
-                let mut z = [Row::ZERO];
-                (0..plan.tracks).all(|track| {
-                    self.reader.read(track, 0, &mut z);
-                    z[0][lane].is_finite()
-                })
-            };
-            let valid = valid && moments.iter().flatten().all(|moment| moment[lane].is_finite());
-            if !valid {
-                found.failed.push(run);
-            }
-            for output in 0..setup.readings.len() {
-                let nan = f64::NAN;
-                let (max, min) = if valid { records.settle(setup, output, lane) } else { (nan, nan) };
-                let mut square = 0.0;
-                for (moments, form) in moments.iter().zip(&setup.readings[output].square) {
-                    for row in 0..form.nrows() {
-                        for column in 0..=row {
-                            let twice = if row == column { 1.0 } else { 2.0 };
-                            square += twice * form[(row, column)] * moments[row * (row + 1) / 2 + column][lane];
-                        }
-                    }
-                }
-                let mean = if setup.duration > 0.0 { square.max(0.0) / setup.duration } else { 0.0 };
-                let rms = if valid { mean.sqrt() } else { nan };
-                if output < layout.loads {
-                    found.max_load.push(setup.static_load[output] + max);
-                    found.min_load.push(setup.static_load[output] + min);
-                    found.rms_load.push(rms);
-                } else {
-                    found.max_acceleration.push(max.max(-min));
-                    found.rms_acceleration.push(rms);
-                }
-            }
-        }
-        Ok(())
+        march.block(reader, plan.stations, period, PERIODS.min(periods - period), false);
     }
+    march.block(reader, plan.stations, periods, 1, true);
+    for (lane, run) in runs.enumerate() {
+        if !march.is_finite(lane) {
+            found.failed.push(run);
+        }
+        march.read(lane, found);
+    }
+    Ok(())
 }

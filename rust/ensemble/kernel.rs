@@ -11,7 +11,8 @@ use multiversion::multiversion;
 use super::records::{Candidate, Records};
 use super::row::{RUNS, Row};
 use super::setup::{Bound, Layout, MODES, Reading, Setup};
-use super::Reader;
+use super::{Reader, Statistics};
+use crate::extremes::Output;
 use crate::lanes::Lanes;
 use crate::transition::{self, State};
 
@@ -26,9 +27,14 @@ type Rows = [Row; PERIODS];
 /// d and ẏ/ω of each mode.
 type States<T> = [T; 2 * MODES];
 
+/// The set-up of a lane; of idle ones, the last.
+fn of_lane(setups: &[Setup], lane: usize) -> &Setup {
+    &setups[lane.min(setups.len() - 1)]
+}
+
 /// A number of every lane's set-up.
-fn gather(setups: &[&Setup], part: impl Fn(&Setup) -> f64) -> Row {
-    Row(std::array::from_fn(|lane| part(setups[lane.min(setups.len() - 1)])))
+fn gather(setups: &[Setup], part: impl Fn(&Setup) -> f64) -> Row {
+    Row(std::array::from_fn(|lane| part(of_lane(setups, lane))))
 }
 
 /// One mode's transition over a leg.
@@ -60,7 +66,7 @@ struct BoundRows {
 }
 
 impl BoundRows {
-    fn new(setups: &[&Setup], of: impl Fn(&Setup) -> &Bound) -> Self {
+    fn new(setups: &[Setup], of: impl Fn(&Setup) -> &Bound) -> Self {
         let groups = setups[0].layout.groups.len();
         Self {
             state: std::array::from_fn(|i| gather(setups, |s| of(s).state[i / MODES][i % MODES])),
@@ -82,7 +88,7 @@ pub(super) struct Constants {
 }
 
 impl Constants {
-    pub fn new(setups: &[&Setup]) -> Self {
+    pub fn new(setups: &[Setup]) -> Self {
         let layout = &setups[0].layout;
         let (legs, groups) = (layout.legs, layout.groups.len());
         let step = |leg: usize, m: usize| Step {
@@ -140,7 +146,8 @@ struct Drive {
 
 /// Where several runs are on their way.
 pub(super) struct March<'a> {
-    layout: &'a Layout,
+    setups: &'a [Setup],
+    pub layout: &'a Layout,
     constants: &'a Constants,
     ground: Vec<Ground>,
     /// First elevations less those of the first group.
@@ -159,12 +166,16 @@ pub(super) struct March<'a> {
     values: Vec<Rows>,
     ends: Vec<Rows>,
     /// Moments of the periods' rows, lower triangle, over the run and over its tail.
-    pub moments: [Vec<Row>; 2],
-    pub records: Records,
+    moments: [Vec<Row>; 2],
+    records: Records,
+    /// Tools to search with, set-up by set-up, output by output.
+    searches: Vec<Vec<Output>>,
 }
 
 impl<'a> March<'a> {
-    pub fn new(layout: &'a Layout, constants: &'a Constants) -> Self {
+    pub fn new(setups: &'a [Setup], constants: &'a Constants) -> Self {
+        let layout = &*setups[0].layout;
+        let searches = |setup: &Setup| setup.readings.iter().map(|reading| reading.output.clone()).collect();
         let groups = layout.groups.len();
         let rows = layout.rows();
         let heights = if layout.heights { groups } else { 0 };
@@ -177,6 +188,7 @@ impl<'a> March<'a> {
             Drive { groups, beta: still, gamma: still, last_beta: still, last_gamma: still }
         };
         Self {
+            setups,
             layout,
             constants,
             ground: vec![Ground { z: [ZERO; PERIODS + 1], rise: [ZERO; PERIODS + 1] }; groups],
@@ -191,11 +203,23 @@ impl<'a> March<'a> {
             ends: vec![none; if layout.damped { layout.legs } else { 0 }],
             moments: [vec![ZERO; rows * (rows + 1) / 2], vec![ZERO; rows * (rows + 1) / 2]],
             records: Records::new(layout.loads, constants.weights.len()),
+            searches: setups.iter().map(searches).collect(),
         }
     }
 
-    /// Begins at rest on the first elevations.
+    /// Begins anew, at rest on the first elevations.
     pub fn start(&mut self, reader: &mut impl Reader) {
+        self.state = [ZERO; 2 * MODES];
+        for drive in &mut self.drives {
+            (drive.beta, drive.gamma) = ([ZERO; MODES], [ZERO; MODES]);
+        }
+        for ground in &mut self.ground {
+            ground.rise[PERIODS] = ZERO;
+        }
+        for moments in &mut self.moments {
+            moments.fill(ZERO);
+        }
+        self.records.restart();
         for (ground, group) in self.ground.iter_mut().zip(&self.layout.groups) {
             reader.read(group.track, 0, &mut ground.z[PERIODS..]);
         }
@@ -241,6 +265,43 @@ impl<'a> March<'a> {
             ground.rise[PERIODS] = ground.rise[count];
         }
     }
+}
+
+impl March<'_> {
+    /// Whether a run has remained in the range of double precision: what is not finite stays so, in
+    /// states and moments; without any, in the first elevations.
+    pub fn is_finite(&self, lane: usize) -> bool {
+        self.moments.iter().flatten().chain(&self.first).all(|row| row[lane].is_finite()) && self.origin[lane].is_finite()
+    }
+
+    /// Appends the results of a run that is over.
+    pub fn read(&mut self, lane: usize, out: &mut Statistics) {
+        let setup = of_lane(self.setups, lane);
+        let last = self.searches.len() - 1;
+        let valid = self.is_finite(lane);
+        for (output, search) in self.searches[lane.min(last)].iter_mut().enumerate() {
+            let (mut max, mut min, mut rms) = (f64::NAN, f64::NAN, f64::NAN);
+            if valid {
+                (max, min) = self.records.settle(setup, output, lane, search);
+                let squares = self.moments.iter().zip(&setup.readings[output].square);
+                let square: f64 = squares.map(|(moments, form)| quadratic(moments, form, lane)).sum();
+                rms = if setup.duration > 0.0 { (square.max(0.0) / setup.duration).sqrt() } else { 0.0 };
+            }
+            if let Some(level) = setup.static_load.get(output) {
+                out.max_load.push(level + max);
+                out.min_load.push(level + min);
+                out.rms_load.push(rms);
+            } else {
+                out.max_acceleration.push(max.max(-min));
+                out.rms_acceleration.push(rms);
+            }
+        }
+    }
+}
+
+/// Σ form × moments, the moments' lower triangle given.
+fn quadratic(moments: &[Row], form: &[f64], lane: usize) -> f64 {
+    form.iter().zip(moments).map(|(weight, moment)| weight * moment[lane]).sum()
 }
 
 /// What of a block is arithmetic.
@@ -406,7 +467,7 @@ impl March<'_> {
             self.records.see(output, top, bottom);
             let bulge = self.bulge(output, reach);
             if self.records.may_hold(output, top, bottom, bulge) {
-                self.keep(output, (count, legs), &[top, bottom, bulge, last]);
+                self.sift(output, (count, legs), bulge, last);
             }
         }
     }
@@ -514,34 +575,39 @@ impl March<'_> {
     }
 
     /// Keeps the stretches of a block that may hold a record of an output.
+    #[inline(always)]
+    fn sift(&mut self, output: usize, (count, legs): (usize, usize), bulge: Row, last: Row) {
+        let [high, low] = self.records.best(output);
+        for i in 0..count {
+            for leg in 0..legs {
+                let start = self.values[leg][i];
+                let end = if self.layout.damped {
+                    self.ends[leg][i]
+                } else if leg + 1 < legs {
+                    self.values[leg + 1][i]
+                } else if i + 1 < count {
+                    self.values[0][i + 1]
+                } else {
+                    last
+                };
+                let bounds = [start.max(end) + bulge, bulge - start.min(end)];
+                let sides = [bounds[0].above(high), bounds[1].above(low)];
+                if sides != [0, 0] {
+                    self.keep(output, (leg, i), sides, &bounds);
+                }
+            }
+        }
+    }
+
+    /// Keeps a leg for the runs whose bits are set.
     #[cold]
     #[inline(never)]
-    fn keep(&mut self, output: usize, (count, legs): (usize, usize), [top, bottom, bulge, last]: &[Row; 4]) {
+    fn keep(&mut self, output: usize, (leg, i): (usize, usize), sides: [u8; 2], bounds: &[Row; 2]) {
         for lane in 0..RUNS {
-            for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
-                let record = self.records.best(output, side, lane);
-                let enough = record - bulge[lane];
-                if [top[lane], -bottom[lane]][side] <= enough {
-                    continue;
-                }
-                for i in 0..count {
-                    for leg in 0..legs {
-                        let end = if self.layout.damped {
-                            self.ends[leg][i][lane]
-                        } else if leg + 1 < legs {
-                            self.values[leg + 1][i][lane]
-                        } else if i + 1 < count {
-                            self.values[0][i + 1][lane]
-                        } else {
-                            last[lane]
-                        };
-                        let highest = (sign * self.values[leg][i][lane]).max(sign * end);
-                        if highest > enough {
-                            let bound = highest + bulge[lane];
-                            let candidate = self.candidate(output, leg, i, lane, bound);
-                            self.records.keep(output, side, lane, candidate);
-                        }
-                    }
+            for side in 0..2 {
+                if sides[side] >> lane & 1 == 1 {
+                    let candidate = self.candidate(output, leg, i, lane, bounds[side][lane]);
+                    self.records.keep(output, side, lane, candidate);
                 }
             }
         }

@@ -1,8 +1,8 @@
 //! The records of runs side by side, and the stretches that may yet break them.
 
 use super::row::{RUNS, Row};
-use super::setup::{Reading, Setup};
-use crate::extremes::Extreme;
+use super::setup::Setup;
+use crate::extremes::{Extreme, Output};
 use crate::readout::Line;
 use crate::transition::{Drive, State};
 
@@ -43,6 +43,13 @@ impl Records {
         Self { loads, records: (0..outputs).map(|_| record()).collect() }
     }
 
+    pub fn restart(&mut self) {
+        for record in &mut self.records {
+            record.best = [Row::all(f64::NEG_INFINITY); 2];
+            record.candidates.iter_mut().flatten().for_each(Vec::clear);
+        }
+    }
+
     /// Takes in the largest and smallest values of some more ends of legs.
     #[inline(always)]
     pub fn see(&mut self, output: usize, top: Row, bottom: Row) {
@@ -58,18 +65,19 @@ impl Records {
     #[inline(always)]
     pub fn may_hold(&self, output: usize, top: Row, bottom: Row, bulge: Row) -> bool {
         let [high, low] = self.records[output].best;
-        (top + bulge).any_above(high) | (bulge - bottom).any_above(low)
+        (top + bulge).above(high) | (bulge - bottom).above(low) != 0
     }
 
-    /// Largest value of F (`side` 0) or −F (1).
-    pub fn best(&self, output: usize, side: usize, lane: usize) -> f64 {
-        self.records[output].best[side][lane]
+    /// Largest values of F and of −F.
+    #[inline(always)]
+    pub fn best(&self, output: usize) -> [Row; 2] {
+        self.records[output].best
     }
 
     /// Keeps a stretch for later: by then most will have been outdone.
     pub fn keep(&mut self, output: usize, side: usize, lane: usize, candidate: Candidate) {
-        let best = self.best(output, side, lane);
-        let list = &mut self.records[output].candidates[side][lane];
+        let Record { best, candidates } = &mut self.records[output];
+        let (best, list) = (best[side][lane], &mut candidates[side][lane]);
         if list.len() >= MANY && list.len().is_power_of_two() {
             list.retain(|candidate| candidate.bound > best);
         }
@@ -77,9 +85,8 @@ impl Records {
     }
 
     /// True maximum and minimum of an output of one run; of an acceleration, ± its magnitude.
-    pub fn settle(&mut self, setup: &mut Setup, output: usize, lane: usize) -> (f64, f64) {
+    pub fn settle(&mut self, setup: &Setup, output: usize, lane: usize, search: &mut Output) -> (f64, f64) {
         let Record { best, candidates } = &mut self.records[output];
-        let Reading { output: search, .. } = &mut setup.readings[output];
         let magnitude = output >= self.loads;
         search.record =
             Extreme { max: best[0][lane], time_of_max: 0.0, min: -best[1][lane], time_of_min: 0.0 };

@@ -99,8 +99,9 @@ pub(super) struct Reading {
     /// Weights of |d|, |ẏ/ω| and of the groups' rises before and after their stations in a bound on
     /// the bulge of the output above its values at the ends of any leg; the same for its swing.
     pub bulge: [Bound; 2],
-    /// Quadratic forms of a period's rows whose sum is ∫F² over the periods, and over the tail.
-    pub square: [DMatrix<f64>; 2],
+    /// Weights of the products of a period's rows, lower triangle, in ∫F² over a period and over the
+    /// tail.
+    pub square: [Vec<f64>; 2],
 }
 
 /// See [`Reading::bulge`].
@@ -255,14 +256,13 @@ impl Setup {
         let longest = self.dt.iter().copied().fold(0.0, f64::max);
         let bulge = self.bound(self.lengths.reach(output.second), longest * longest / 8.0);
         let swing = self.bound(self.lengths.reach(output.amplitude), 2.0);
-        let none = DMatrix::zeros(0, 0);
         Reading {
             rise,
             height,
             first,
             rate,
             bulge: [bulge, swing],
-            square: [none.clone(), none],
+            square: [Vec::new(), Vec::new()],
             output,
         }
     }
@@ -307,7 +307,11 @@ impl Setup {
             }
         }
         for (reading, squares) in self.readings.iter_mut().zip(squares) {
-            reading.square = squares;
+            reading.square = squares.map(|square| {
+                let twice = |row: usize, column: usize| if row == column { 1.0 } else { 2.0 };
+                let entries = (0..rows).flat_map(|row| (0..=row).map(move |column| (row, column)));
+                entries.map(|at| twice(at.0, at.1) * square[at]).collect()
+            });
         }
     }
 

@@ -151,7 +151,7 @@ pub(crate) struct Output {
     /// Weights of y and ẏ/ω in F′.
     slope: [Lanes; 2],
     /// Weights of y and ẏ/ω in F″.
-    bend: [Lanes; 2],
+    pub bend: [Lanes; 2],
     /// Σ amplitude · r bounds the oscillating part.
     pub amplitude: Pair,
     /// Σ second · r bounds |F″|.

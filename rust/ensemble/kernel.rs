@@ -9,7 +9,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::records::{Candidate, Records};
-use super::row::{RUNS, Row};
+use super::row::Row;
 use super::setup::{Bound, Layout, MODES, Reading, Setup};
 use super::{Reader, Statistics};
 use crate::extremes::Output;
@@ -83,6 +83,8 @@ pub(super) struct Constants {
     climb: Vec<[Row; MODES]>,
     drag: Vec<[Row; MODES]>,
     weights: Vec<Weights>,
+    /// Square of each leg's length as a share of the longest one's.
+    shorter: Vec<Row>,
     /// How far each leg begins from a group's station, in spacings: leg by leg, group by group.
     from_station: Vec<Vec<Row>>,
 }
@@ -117,6 +119,9 @@ impl Constants {
             climb: (0..groups).map(|g| by_mode(&|s| s.climb[g])).collect(),
             drag: (0..groups).map(|g| by_mode(&|s| s.drag[g])).collect(),
             weights: (0..setups[0].readings.len()).map(weights).collect(),
+            shorter: (0..legs)
+                .map(|leg| gather(setups, |s| (s.dt[leg] / s.dt.iter().copied().fold(0.0, f64::max)).powi(2)))
+                .collect(),
             from_station: (0..legs)
                 .map(|leg| (0..groups).map(|g| gather(setups, |s| s.begin[leg] - s.part[g])).collect())
                 .collect(),
@@ -465,9 +470,9 @@ impl March<'_> {
             scan(&[last], &mut edges);
             let [top, bottom] = edges;
             self.records.see(output, top, bottom);
-            let bulge = self.bulge(output, reach);
-            if self.records.may_hold(output, top, bottom, bulge) {
-                self.sift(output, (count, legs), bulge, last);
+            let bulges = self.bulges(output, reach);
+            if self.records.may_hold(output, top, bottom, bulges[0].min(bulges[1])) {
+                self.sift(output, (count, legs), bulges, last);
             }
         }
     }
@@ -556,12 +561,13 @@ impl March<'_> {
         value
     }
 
-    /// How far an output may rise above, or fall below, its values at the ends of the legs.
+    /// How far an output may rise above, or fall below, its values at the ends of the legs: by what it
+    /// bends on the longest leg, and by what it swings.
     #[inline(always)]
-    fn bulge(&self, output: usize, reach: &[Row]) -> Row {
+    fn bulges(&self, output: usize, reach: &[Row]) -> [Row; 2] {
         let groups = self.ground.len();
         let [by_bend, by_swing] = &self.constants.weights[output].bulge;
-        let [by_bend, by_swing] = [by_bend, by_swing].map(|BoundRows { state, after, before }| {
+        [by_bend, by_swing].map(|BoundRows { state, after, before }| {
             let mut bound = ZERO;
             for (weight, reach) in state.iter().chain(after).zip(reach) {
                 bound += *weight * *reach;
@@ -570,16 +576,20 @@ impl March<'_> {
                 bound += before[group] * *reach;
             }
             bound
-        });
-        by_bend.min(by_swing)
+        })
     }
 
     /// Keeps the stretches of a block that may hold a record of an output.
+    ///
+    /// Where |F″| h²/8 ≤ B and the values at the ends differ by D, F has no summit between them if
+    /// |D| ≥ 4B; else it stays below their mean + B + D²/(16B).
     #[inline(always)]
-    fn sift(&mut self, output: usize, (count, legs): (usize, usize), bulge: Row, last: Row) {
+    fn sift(&mut self, output: usize, (count, legs): (usize, usize), bulges: [Row; 2], last: Row) {
         let [high, low] = self.records.best(output);
-        for i in 0..count {
-            for leg in 0..legs {
+        for leg in 0..legs {
+            let bulge = bulges[0] * self.constants.shorter[leg];
+            let (inverse, far) = (Row::all(0.0625).over(bulge), Row::all(4.0) * bulge);
+            for i in 0..count {
                 let start = self.values[leg][i];
                 let end = if self.layout.damped {
                     self.ends[leg][i]
@@ -590,9 +600,15 @@ impl March<'_> {
                 } else {
                     last
                 };
-                let bounds = [start.max(end) + bulge, bulge - start.min(end)];
-                let sides = [bounds[0].above(high), bounds[1].above(low)];
+                let (step, mean) = (end - start, Row::all(0.5) * (start + end));
+                let over = bulge + step * step * inverse;
+                let near = far.above(step) & step.above(Row::ZERO - far);
+                let sides = [(mean + over).above(high) & near, (over - mean).above(low) & near];
                 if sides != [0, 0] {
+                    let bounds = [
+                        (mean + over).min(start.max(end) + bulges[1]),
+                        (over - mean).min(bulges[1] - start.min(end)),
+                    ];
                     self.keep(output, (leg, i), sides, &bounds);
                 }
             }
@@ -603,10 +619,14 @@ impl March<'_> {
     #[cold]
     #[inline(never)]
     fn keep(&mut self, output: usize, (leg, i): (usize, usize), sides: [u8; 2], bounds: &[Row; 2]) {
-        for lane in 0..RUNS {
-            for side in 0..2 {
-                if sides[side] >> lane & 1 == 1 {
-                    let candidate = self.candidate(output, leg, i, lane, bounds[side][lane]);
+        for side in 0..2 {
+            let mut bits = sides[side];
+            while bits != 0 {
+                let lane = bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                let bound = bounds[side][lane];
+                if bound > self.records.best(output)[side][lane] {
+                    let candidate = self.candidate(output, leg, i, lane, bound);
                     self.records.keep(output, side, lane, candidate);
                 }
             }

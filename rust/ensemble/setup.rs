@@ -112,6 +112,14 @@ pub(super) struct Bound {
     pub before: Vec<f64>,
 }
 
+impl Bound {
+    fn scaled(mut self, scale: f64) -> Self {
+        self.state = self.state.map(|weights| weights * scale);
+        self.after.iter_mut().chain(&mut self.before).for_each(|weight| *weight *= scale);
+        self
+    }
+}
+
 /// All that the runs of one set-up share.
 #[derive(Clone)]
 pub(super) struct Setup {
@@ -254,32 +262,58 @@ impl Setup {
         let (height, first) = (of_groups(&form.height, 1.0), of_groups(&form.first, 1.0));
         let output = Output::new(form, &self.bank);
         let longest = self.dt.iter().copied().fold(0.0, f64::max);
-        let bulge = self.bound(self.lengths.reach(output.second), longest * longest / 8.0);
-        let swing = self.bound(self.lengths.reach(output.amplitude), 2.0);
+        let by_bend = self.bend(&output);
+        let by_swing = self.bound([Lanes::ZERO; 2], self.lengths.reach(output.amplitude));
+        let bulge = [by_bend.scaled(longest * longest / 8.0), by_swing.scaled(2.0)];
         Reading {
             rise,
             height,
             first,
             rate,
-            bulge: [bulge, swing],
+            bulge,
             square: [Vec::new(), Vec::new()],
             output,
         }
     }
 
-    /// A bound on weights · lengths over all legs of a period, from the state at its start: lengths
-    /// do not grow on a leg, and at a station by no more than the jump of the steady position.
-    fn bound(&self, weights: [Lanes; 2], scale: f64) -> Bound {
-        let [y, w] = weights.map(|weights| weights * scale);
+    /// A bound on |F″| over all legs of a period.
+    ///
+    /// Through lengths, as in [`crate::extremes`], except for modes that oscillate slowly beside a
+    /// period. Their F″ hangs on a = p̈ ÷ −ω², which is continuous, and hardly on the rate, which
+    /// follows every slope: |a| is at most what it is at the start of the period and what it gains.
+    fn bend(&self, output: &Output) -> Bound {
+        let period: f64 = self.dt.iter().sum();
+        let crude = self.lengths.reach(output.second);
+        let (mut state, mut lengths) = ([Lanes::ZERO; 2], crude);
+        for mode in 0..MODES {
+            let two_zeta = self.bank.two_zeta[mode];
+            let gain = self.bank.omega[mode] * period * (1.0 + two_zeta + two_zeta * two_zeta);
+            if gain > 0.5 || two_zeta > 1.0 || self.layout.damped {
+                continue;
+            }
+            // y and ẏ/ω as a and ẏ/ω.
+            let [y, w] = output.bend.map(|weights| weights[mode]);
+            let (a, w) = (y.abs(), (w - two_zeta * y).abs());
+            (state[0][mode], state[1][mode]) = (a, a * two_zeta);
+            (lengths[0][mode], lengths[1][mode]) = (a * gain + w, a * gain + w);
+        }
+        self.bound(state, lengths)
+    }
+
+    /// state · (|d|, |ẏ/ω|) at the start of a period, and weights · lengths on any of its legs:
+    /// lengths do not grow on a leg, and at a station by no more than the steady position jumps.
+    fn bound(&self, state: [Lanes; 2], [y, w]: [Lanes; 2]) -> Bound {
         let groups = &self.layout.groups;
         let share = |group: usize| {
             let (beta, gamma) = (self.climb[group].abs(), self.drag[group].abs());
             y.dot(gamma + self.bank.two_zeta * beta) + w.dot(beta)
         };
-        let after = (0..groups.len()).map(share).collect();
-        let before =
-            (0..groups.len()).map(|group| if groups[group].leg > 0 { 2.0 * share(group) } else { 0.0 }).collect();
-        Bound { state: [y, w], after, before }
+        let inner = |group: usize| if groups[group].leg > 0 { 2.0 } else { 0.0 };
+        Bound {
+            state: [state[0] + y, state[1] + w],
+            after: (0..groups.len()).map(share).collect(),
+            before: (0..groups.len()).map(|group| inner(group) * share(group)).collect(),
+        }
     }
 
     /// Adds to the readings what holds for whole legs: values at their ends, squares.

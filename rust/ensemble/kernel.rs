@@ -58,6 +58,16 @@ struct Weights {
     bulge: [BoundRows; 2],
 }
 
+impl Weights {
+    /// What the state gives; without rates, displacements alone.
+    #[inline(always)]
+    fn of(&self, state: &States<Row>, rates: bool) -> Row {
+        let Self { d, v, .. } = self;
+        let value = (d[0] * state[0] + d[1] * state[1]) + d[2] * state[2];
+        if rates { value + ((v[0] * state[3] + v[1] * state[4]) + v[2] * state[5]) } else { value }
+    }
+}
+
 /// See [`Bound`].
 struct BoundRows {
     state: States<Row>,
@@ -166,9 +176,9 @@ pub(super) struct March<'a> {
     heights: Vec<Vec<Rows>>,
     /// Leg by leg.
     drives: Vec<Drive>,
-    /// Values of one output at the starts of the legs, and just before their ends where these are
-    /// not the next ones' starts.
-    values: Vec<Rows>,
+    /// Values at the starts of the legs, output by output, leg by leg; of one output just before
+    /// their ends, where these are not the next ones' starts.
+    values: Vec<Vec<Rows>>,
     ends: Vec<Rows>,
     /// Moments of the periods' rows, lower triangle, over the run and over its tail.
     moments: [Vec<Row>; 2],
@@ -204,7 +214,7 @@ impl<'a> March<'a> {
             state: [ZERO; 2 * MODES],
             heights: vec![vec![none; heights]; layout.legs],
             drives: (0..layout.legs).map(drive).collect(),
-            values: vec![none; layout.legs],
+            values: vec![vec![none; layout.legs]; constants.weights.len()],
             ends: vec![none; if layout.damped { layout.legs } else { 0 }],
             moments: [vec![ZERO; rows * (rows + 1) / 2], vec![ZERO; rows * (rows + 1) / 2]],
             records: Records::new(layout.loads, constants.weights.len()),
@@ -333,7 +343,7 @@ impl March<'_> {
     /// Rises, and states at the start of every leg; `L` legs, any number for 0.
     #[inline(always)]
     fn find_states<const L: usize, const DAMPED: bool>(&mut self, count: usize, legs: usize) {
-        let Self { constants, ground, states, state, drives, .. } = self;
+        let Self { layout, constants, ground, states, state, drives, values, .. } = self;
         let all = if L == 0 { drives.len() } else { L };
         let legs = if L == 0 { legs } else { L };
         let (drives, states, steps) = (&mut drives[..all], &mut states[..all], &constants.steps[..all]);
@@ -356,6 +366,9 @@ impl March<'_> {
                 (drive.beta, drive.gamma) = (beta, gamma);
             }
             for leg in 0..legs {
+                for ((values, weights), rates) in values.iter_mut().zip(&constants.weights).zip(&layout.by_rate) {
+                    values[leg][i] = weights.of(&now, *rates);
+                }
                 for mode in 0..MODES {
                     let Step { g, s, w, h } = steps[leg][mode];
                     let (mut beta, mut gamma) = (drives[0].beta[mode], drives[0].gamma[mode]);
@@ -452,13 +465,9 @@ impl March<'_> {
             let mut edges = [Row::all(f64::NEG_INFINITY), Row::all(f64::INFINITY)];
             for leg in 0..legs {
                 if self.layout.lines {
-                    self.values_with_lines(output, leg, count);
-                    scan(&self.values[leg][..count], &mut edges);
-                } else if self.layout.by_rate[output] {
-                    self.plain_values::<true>(output, leg, count, &mut edges);
-                } else {
-                    self.plain_values::<false>(output, leg, count, &mut edges);
+                    self.add_lines(output, leg, count);
                 }
+                scan(&self.values[output][leg][..count], &mut edges);
                 if self.layout.damped {
                     for i in 0..count {
                         self.ends[leg][i] = self.end_value(output, leg, legs, i, count);
@@ -479,49 +488,21 @@ impl March<'_> {
 
     /// The far side of the last station of all, where a damped output may jump.
     fn look_back(&mut self, leg: usize) {
-        for (rows, state) in self.states[leg].iter_mut().zip(self.state) {
-            rows[0] = state;
-        }
         for output in 0..self.constants.weights.len() {
-            self.values_with_lines(output, leg, 1);
-            self.records.see(output, self.values[leg][0], self.values[leg][0]);
+            self.values[output][leg][0] = self.constants.weights[output].of(&self.state, true);
+            self.add_lines(output, leg, 1);
+            let value = self.values[output][leg][0];
+            self.records.see(output, value, value);
         }
     }
 
-    /// Values at the starts of a leg where only the state counts.
+    /// Adds elevations and slopes to the values at the starts of a leg.
     #[inline(always)]
-    fn plain_values<const RATES: bool>(
-        &mut self,
-        output: usize,
-        leg: usize,
-        count: usize,
-        [top, bottom]: &mut [Row; 2],
-    ) {
-        let (mut high, mut low) = (*top, *bottom);
-        let Weights { d, v, .. } = &self.constants.weights[output];
-        let (states, values) = (&self.states[leg], &mut self.values[leg]);
-        for i in 0..count {
-            let mut value = (d[0] * states[0][i] + d[1] * states[1][i]) + d[2] * states[2][i];
-            if RATES {
-                value += (v[0] * states[3][i] + v[1] * states[4][i]) + v[2] * states[5][i];
-            }
-            values[i] = value;
-            high = high.max(value);
-            low = low.min(value);
-        }
-        (*top, *bottom) = (high, low);
-    }
-
-    /// Values at the starts of a leg, elevations and slopes included.
-    #[inline(always)]
-    fn values_with_lines(&mut self, output: usize, leg: usize, count: usize) {
-        let Self { layout, constants, ground, states, heights, first, values, .. } = self;
+    fn add_lines(&mut self, output: usize, leg: usize, count: usize) {
+        let Self { layout, constants, ground, heights, first, values, .. } = self;
         let weights = &constants.weights[output];
         for i in 0..count {
             let mut value = ZERO;
-            for mode in 0..MODES {
-                value += weights.d[mode] * states[leg][mode][i] + weights.v[mode] * states[leg][MODES + mode][i];
-            }
             for group in 0..ground.len() {
                 let met = usize::from(layout.groups[group].leg <= leg);
                 value += weights.rise[group] * ground[group].rise[i + met];
@@ -529,7 +510,7 @@ impl March<'_> {
                     value += weights.height[group] * heights[leg][group][i] + weights.first[group] * first[group];
                 }
             }
-            values[leg][i] = value;
+            values[output][leg][i] += value;
         }
     }
 
@@ -544,10 +525,7 @@ impl March<'_> {
         } else {
             self.state
         };
-        let mut value = ZERO;
-        for mode in 0..MODES {
-            value += weights.d[mode] * state[mode] + weights.v[mode] * state[MODES + mode];
-        }
+        let mut value = weights.of(&state, self.layout.by_rate[output]);
         if self.layout.lines {
             for group in 0..self.ground.len() {
                 let met = usize::from(self.layout.groups[group].leg <= leg);
@@ -590,13 +568,13 @@ impl March<'_> {
             let bulge = bulges[0] * self.constants.shorter[leg];
             let (inverse, far) = (Row::all(0.0625).over(bulge), Row::all(4.0) * bulge);
             for i in 0..count {
-                let start = self.values[leg][i];
+                let start = self.values[output][leg][i];
                 let end = if self.layout.damped {
                     self.ends[leg][i]
                 } else if leg + 1 < legs {
-                    self.values[leg + 1][i]
+                    self.values[output][leg + 1][i]
                 } else if i + 1 < count {
-                    self.values[0][i + 1]
+                    self.values[output][0][i + 1]
                 } else {
                     last
                 };

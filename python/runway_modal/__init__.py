@@ -6,6 +6,7 @@ Any consistent unit system; the report's is lbf, in, s. See `simulate`.
 
 from ._core import InputError, NumericalError
 from .aircraft import Aircraft, Gear, equivalent_stiffness, f4e, single_dof
+from .ensemble import Ensemble, Estimate, simulate_many
 from .modes import Modes
 from .profile import Profile
 from .profile_csv import read_csv, write_csv
@@ -16,6 +17,8 @@ from .units import knots
 
 __all__ = [
     "Aircraft",
+    "Ensemble",
+    "Estimate",
     "Extremes",
     "Gear",
     "InputError",
@@ -29,6 +32,7 @@ __all__ = [
     "read_csv",
     "read_erd",
     "simulate",
+    "simulate_many",
     "single_dof",
     "write_csv",
     "write_erd",

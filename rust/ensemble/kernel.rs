@@ -643,12 +643,9 @@ impl March<'_> {
 /// Largest and smallest of some rows.
 #[inline(always)]
 fn scan(values: &[Row], [top, bottom]: &mut [Row; 2]) {
-    let (mut high, mut low) = (*top, *bottom);
-    for value in values {
-        high = high.max(*value);
-        low = low.min(*value);
-    }
-    (*top, *bottom) = (high, low);
+    // One at a time: together, the compiler takes the rows apart.
+    *top = values.iter().fold(*top, |high, value| high.max(*value));
+    *bottom = values.iter().fold(*bottom, |low, value| low.min(*value));
 }
 
 /// Sums of products of `N` ≤ 3 rows with three.

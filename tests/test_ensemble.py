@@ -225,7 +225,7 @@ def test_lag_beyond_the_runway():
         ({"modes": [MODES, rm.single_dof(mass=1, omega=1, damping_ratio=0)]}, r"modes\[1\]: gear"),
         ({"on_error": "ignore"}, "on_error = 'ignore'"),
         ({"damping_input": 1}, "damping_input = 1"),
-        ({"elevations": np.full((2, 1, 5), 1e200)}, r"elevations\[0, 0, 0\] = 1e200|1e\+?200"),
+        ({"elevations": np.eye(5)[None, :1] * 1e200}, r"elevations\[0, 0, 0\] = 1e200 is out of"),
     ],
 )
 def test_input_is_checked(change, message):

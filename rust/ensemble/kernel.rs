@@ -180,6 +180,8 @@ pub(super) struct March<'a> {
     /// their ends, where these are not the next ones' starts.
     values: Vec<Vec<Rows>>,
     ends: Vec<Rows>,
+    /// Largest and smallest values of each output in the block.
+    edges: Vec<[Row; 2]>,
     /// Moments of the periods' rows, lower triangle, over the run and over its tail.
     moments: [Vec<Row>; 2],
     records: Records,
@@ -216,6 +218,7 @@ impl<'a> March<'a> {
             drives: (0..layout.legs).map(drive).collect(),
             values: vec![vec![none; layout.legs]; constants.weights.len()],
             ends: vec![none; if layout.damped { layout.legs } else { 0 }],
+            edges: vec![[ZERO; 2]; constants.weights.len()],
             moments: [vec![ZERO; rows * (rows + 1) / 2], vec![ZERO; rows * (rows + 1) / 2]],
             records: Records::new(layout.loads, constants.weights.len()),
             searches: setups.iter().map(searches).collect(),
@@ -343,7 +346,9 @@ impl March<'_> {
     /// Rises, and states at the start of every leg; `L` legs, any number for 0.
     #[inline(always)]
     fn find_states<const L: usize, const DAMPED: bool>(&mut self, count: usize, legs: usize) {
-        let Self { layout, constants, ground, states, state, drives, values, .. } = self;
+        let Self { layout, constants, ground, states, state, drives, values, edges, .. } = self;
+        let outputs = constants.weights.len();
+        edges.fill([Row::all(f64::NEG_INFINITY), Row::all(f64::INFINITY)]);
         let all = if L == 0 { drives.len() } else { L };
         let legs = if L == 0 { legs } else { L };
         let (drives, states, steps) = (&mut drives[..all], &mut states[..all], &constants.steps[..all]);
@@ -366,8 +371,12 @@ impl March<'_> {
                 (drive.beta, drive.gamma) = (beta, gamma);
             }
             for leg in 0..legs {
-                for ((values, weights), rates) in values.iter_mut().zip(&constants.weights).zip(&layout.by_rate) {
-                    values[leg][i] = weights.of(&now, *rates);
+                for output in 0..outputs {
+                    let value = constants.weights[output].of(&now, layout.by_rate[output]);
+                    values[output][leg][i] = value;
+                    let [top, bottom] = &mut edges[output];
+                    *top = top.max(value);
+                    *bottom = bottom.min(value);
                 }
                 for mode in 0..MODES {
                     let Step { g, s, w, h } = steps[leg][mode];
@@ -462,12 +471,15 @@ impl March<'_> {
             return;
         }
         for output in 0..self.constants.weights.len() {
-            let mut edges = [Row::all(f64::NEG_INFINITY), Row::all(f64::INFINITY)];
+            let mut edges = self.edges[output];
+            if self.layout.lines {
+                edges = [Row::all(f64::NEG_INFINITY), Row::all(f64::INFINITY)];
+            }
             for leg in 0..legs {
                 if self.layout.lines {
                     self.add_lines(output, leg, count);
+                    scan(&self.values[output][leg][..count], &mut edges);
                 }
-                scan(&self.values[output][leg][..count], &mut edges);
                 if self.layout.damped {
                     for i in 0..count {
                         self.ends[leg][i] = self.end_value(output, leg, legs, i, count);
@@ -640,12 +652,13 @@ impl March<'_> {
     }
 }
 
-/// Largest and smallest of some rows.
+/// Takes some rows into the largest and smallest.
 #[inline(always)]
 fn scan(values: &[Row], [top, bottom]: &mut [Row; 2]) {
-    // One at a time: together, the compiler takes the rows apart.
-    *top = values.iter().fold(*top, |high, value| high.max(*value));
-    *bottom = values.iter().fold(*bottom, |low, value| low.min(*value));
+    for value in values {
+        *top = top.max(*value);
+        *bottom = bottom.min(*value);
+    }
 }
 
 /// Sums of products of `N` ≤ 3 rows with three.

@@ -37,6 +37,9 @@ const HIGHEST: f64 = 1e100;
 /// How often a caller that wants to stop is listened to.
 const PATIENCE: Duration = Duration::from_millis(50);
 
+/// Fewer stations than this a run take no longer than that.
+const SHORT: usize = 100_000;
+
 /// Where elevations come from.
 pub trait Source: Sync {
     /// Reads them for one thread.
@@ -214,7 +217,12 @@ impl Plan {
         }
         if self.tracks != 1 && self.tracks != gears {
             let why = "tracks: one for all gears, or one a gear";
-            return Err(Error::WrongLength { argument: "elevations[0]", found: self.tracks, expected: gears, why });
+            return Err(Error::WrongLength {
+                argument: "elevations[0]",
+                found: self.tracks,
+                expected: gears,
+                why,
+            });
         }
         Ok(())
     }
@@ -249,15 +257,15 @@ pub fn simulate(plan: &Plan, runs: usize, source: &impl Source, pulse: Pulse) ->
     let blocks: Vec<Range<usize>> =
         (0..runs).step_by(RUNS).map(|first| first..(first + RUNS).min(runs)).collect();
     let stop = AtomicBool::new(false);
-    let worker = || Worker { plan, stop: &stop, reader: source.reader(), march: shared.as_ref().map(Lot::march) };
+    let worker =
+        || Worker { plan, stop: &stop, reader: source.reader(), march: shared.as_ref().map(Lot::march) };
     let work = |worker: &mut Worker<_>, block: &Range<usize>| worker.block(block.clone());
     let mut parts = Vec::new();
     let mut outcome = Ok(());
-    if blocks.len() == 1 {
-        parts.push(work(&mut worker(), &blocks[0]));
-    } else {
+    let is_short = blocks.len() <= 1 && plan.stations < SHORT;
+    let threads = if is_short { None } else { rayon::ThreadPoolBuilder::new().build().ok() };
+    if let Some(threads) = threads {
         // Threads of its own, which a forked process has as well; the caller's listens.
-        let threads = rayon::ThreadPoolBuilder::new().build().expect("threads");
         let (done, caller) = (AtomicBool::new(false), std::thread::current());
         threads.in_place_scope(|scope| {
             scope.spawn(|_| {
@@ -266,12 +274,17 @@ pub fn simulate(plan: &Plan, runs: usize, source: &impl Source, pulse: Pulse) ->
                 caller.unpark();
             });
             while !done.load(Ordering::Acquire) && outcome.is_ok() {
-                // The last block wakes the caller at once.
                 std::thread::park_timeout(PATIENCE);
                 outcome = pulse();
             }
             stop.store(outcome.is_err(), Ordering::Relaxed);
         });
+    } else {
+        let mut worker = worker();
+        for block in &blocks {
+            parts.push(work(&mut worker, block));
+            pulse()?;
+        }
     }
     outcome?;
     let mut all = Statistics::default();

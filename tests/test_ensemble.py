@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -64,10 +65,7 @@ def mean_squares(response: rm.Response, spacing: float, stations: int, speed: fl
     knots = np.unique([(spacing * np.arange(stations) + front - g.x) / speed for g in gears])
     knots = knots[np.concatenate(([True], np.diff(knots) > 1e-12 * knots[-1]))]
     stiffest = (response.modes.omega * np.maximum(1.0, 2.0 * response.modes.damping_ratio)).max()
-    edges = [
-        np.linspace(a, b, 2 + int((b - a) * stiffest))[:-1]
-        for a, b in zip(knots[:-1], knots[1:], strict=True)
-    ]
+    edges = [np.linspace(a, b, 2 + int((b - a) * stiffest))[:-1] for a, b in pairwise(knots)]
     edges = np.concatenate([*edges, knots[-1:]])
     nodes, weights = np.polynomial.legendre.leggauss(12)
     middle, half = (edges[1:] + edges[:-1]) / 2, np.diff(edges) / 2
@@ -247,9 +245,9 @@ def test_merge():
         first.merge(whole)
     with pytest.raises(rm.InputError, match=r"spacing is 10.0 here and 11.0 there"):
         first.merge(rm.simulate_many(MODES, elevations[11:], 11.0, 500.0, first_run=11))
+    other = rm.f4e().modes(0.02)
     with pytest.raises(rm.InputError, match="modes is"):
-        other = rm.f4e().modes(0.02)
-        first.merge(rm.simulate_many(other, elevations[11:], 10.0, 500.0, first_run=11))
+        second.merge(rm.simulate_many(other, elevations[:11], 10.0, 500.0))
 
 
 @pytest.mark.parametrize(("runs", "probability"), [(10, 0.5), (500, 0.9), (500, 0.999), (80, 0.02)])

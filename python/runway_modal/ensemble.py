@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any, Literal
@@ -16,6 +15,8 @@ from ._input import any_array, array, number, read_only
 from .modes import Modes
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     import pandas as pd
     from numpy.typing import ArrayLike, NDArray
 
@@ -171,7 +172,7 @@ class Ensemble:
         return Ensemble(
             gear_names=self.gear_names,
             setup=self.setup,
-            run=read_only(run[order]),
+            run=_frozen(run[order]),
             speed=both(self.speed, other.speed),
             static_load=both(self.static_load, other.static_load),
             max_load=both(self.max_load, other.max_load),
@@ -244,9 +245,7 @@ class Ensemble:
             high=read_only(bounded[ranks[:, 1]]),
         )
 
-    def exceedance(
-        self, quantity: str, level: ArrayLike, *, confidence: float = 0.95
-    ) -> Estimate:
+    def exceedance(self, quantity: str, level: ArrayLike, *, confidence: float = 0.95) -> Estimate:
         """
         Estimate the probability that a run exceeds a level.
 
@@ -277,8 +276,8 @@ class Ensemble:
         >>> import numpy as np, runway_modal as rm
         >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
         >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
-        >>> ensemble.exceedance("max_acceleration", 0.05 * 386.0886).value
-        array([[0.14]])
+        >>> ensemble.exceedance("max_load", 10_000.0).value.round(2)
+        array([[0.02, 1.  , 1.  ]])
         """
         values = self._sorted(quantity)
         runs = values.shape[0]
@@ -286,7 +285,10 @@ class Ensemble:
         if np.isnan(levels).any():
             raise InputError(f"level[{int(np.flatnonzero(np.isnan(levels))[0])}] = nan")
         share = np.array(
-            [[1.0 - np.searchsorted(c, one, side="right") / runs for c in values.T] for one in levels]
+            [
+                [1.0 - np.searchsorted(c, one, side="right") / runs for c in values.T]
+                for one in levels
+            ]
         )
         z = NormalDist().inv_cdf(0.5 + float(_shares("confidence", confidence)) / 2.0)
         centre = (share + z * z / (2 * runs)) / (1 + z * z / runs)
@@ -376,7 +378,7 @@ class Ensemble:
         return int(self.run.size)
 
     def __repr__(self) -> str:
-        """Runs, gears, failures."""
+        """Number of runs, gears, failures."""
         failed = f"{len(self.failures)} failed" if self.failures else "none failed"
         return f"<Ensemble: {len(self)} runs, gears {', '.join(self.gear_names)}, {failed}>"
 
@@ -482,7 +484,7 @@ def simulate_many(
     return Ensemble(
         gear_names=aircraft.gear_names,
         setup=setup,
-        run=read_only(np.arange(first_run, first_run + runs)),
+        run=_frozen(np.arange(first_run, first_run + runs, dtype=np.int64)),
         speed=np.broadcast_to(speeds, (runs,)),
         static_load=np.broadcast_to(static, max_load.shape),
         max_load=max_load,
@@ -492,6 +494,11 @@ def simulate_many(
         rms_acceleration={name: rms_acceleration[:, i] for i, name in enumerate(names)},
         failures={first_run + run: reason for run, reason in failed},
     )
+
+
+def _frozen(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    numbers.flags.writeable = False
+    return numbers
 
 
 def _elevations(values: ArrayLike) -> NDArray[Any]:
@@ -524,7 +531,7 @@ def _check_modes(each: list[Modes], *, one: bool, runs: int) -> None:
 
 
 def _identity(modes: Modes) -> tuple[Any, ...]:
-    """What tells one set of modes from another."""
+    """Numbers that tell one set of modes from another."""
     aircraft = modes.aircraft
     gears = tuple((gear.x, gear.y, gear.stiffness, gear.damping) for gear in aircraft.gears)
     numbers = (modes.omega, modes.damping_ratio, modes.shapes, aircraft.static_load)
@@ -547,7 +554,8 @@ def _ranks(runs: int, probability: float, tail: float) -> tuple[int, int]:
     Ranks of the order statistics between which a quantile lies, but for `tail` on either side.
 
     Rank 0 stands for -inf, rank `runs` + 1 for inf. Of B runs below the quantile, binomial, the
-    lower rank r is the largest with P(B < r) <= tail, the upper the smallest with P(B >= r) <= tail.
+    lower rank r is the largest with P(B < r) <= tail, the upper the smallest with
+    P(B >= r) <= tail.
     """
     width = 12.0 * math.sqrt(runs * probability * (1.0 - probability)) + 40.0
     first = max(0, int(runs * probability - width))

@@ -118,7 +118,9 @@ impl Constants {
                 d: by_mode(&|s| s.readings[output].output.form.d),
                 v: by_mode(&|s| s.readings[output].output.form.v),
                 rise: by_group(&|r, _, g| r.rise[g]),
-                end_rise: (0..legs).map(|leg| by_group(&|r, s, g| r.rise[g] + r.rate[g] * s.dt[leg])).collect(),
+                end_rise: (0..legs)
+                    .map(|leg| by_group(&|r, s, g| r.rise[g] + r.rate[g] * s.dt[leg]))
+                    .collect(),
                 height: by_group(&|r, _, g| r.height[g]),
                 first: by_group(&|r, _, g| r.first[g]),
                 bulge: [0, 1].map(|kind| BoundRows::new(setups, |s| &s.readings[output].bulge[kind])),
@@ -259,7 +261,14 @@ impl<'a> March<'a> {
     }
 
     /// The block of `count` periods that begins with `period`; in the tail, only so many legs of one.
-    pub fn block(&mut self, reader: &mut impl Reader, stations: usize, period: usize, count: usize, tail: bool) {
+    pub fn block(
+        &mut self,
+        reader: &mut impl Reader,
+        stations: usize,
+        period: usize,
+        count: usize,
+        tail: bool,
+    ) {
         for (ground, group) in self.ground.iter_mut().zip(&self.layout.groups) {
             ground.z[0] = ground.z[PERIODS];
             ground.rise[0] = ground.rise[PERIODS];
@@ -289,7 +298,8 @@ impl March<'_> {
     /// Whether a run has remained in the range of double precision: what is not finite stays so, in
     /// states and moments; without any, in the first elevations.
     pub fn is_finite(&self, lane: usize) -> bool {
-        self.moments.iter().flatten().chain(&self.first).all(|row| row[lane].is_finite()) && self.origin[lane].is_finite()
+        self.moments.iter().flatten().chain(&self.first).all(|row| row[lane].is_finite())
+            && self.origin[lane].is_finite()
     }
 
     /// Appends the results of a run that is over.
@@ -382,7 +392,8 @@ impl March<'_> {
                     let Step { g, s, w, h } = steps[leg][mode];
                     let (mut beta, mut gamma) = (drives[0].beta[mode], drives[0].gamma[mode]);
                     for from in 1..all {
-                        let Drive { beta: new_beta, gamma: new_gamma, last_beta, last_gamma, .. } = &drives[from];
+                        let Drive { beta: new_beta, gamma: new_gamma, last_beta, last_gamma, .. } =
+                            &drives[from];
                         beta += if from <= leg { new_beta[mode] } else { last_beta[mode] };
                         if DAMPED {
                             gamma += if from <= leg { new_gamma[mode] } else { last_gamma[mode] };
@@ -519,7 +530,8 @@ impl March<'_> {
                 let met = usize::from(layout.groups[group].leg <= leg);
                 value += weights.rise[group] * ground[group].rise[i + met];
                 if layout.heights {
-                    value += weights.height[group] * heights[leg][group][i] + weights.first[group] * first[group];
+                    value +=
+                        weights.height[group] * heights[leg][group][i] + weights.first[group] * first[group];
                 }
             }
             values[output][leg][i] += value;

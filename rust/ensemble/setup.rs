@@ -206,9 +206,11 @@ impl Setup {
         order.sort_by_key(|&track| in_order[track].leg);
         let groups: Vec<Group> = order.iter().map(|&track| in_order[track]).collect();
         let behind = groups.iter().map(|group| (group.whole, group.leg)).max().unwrap_or((0, 0));
-        let lag = run.tracks.iter().map(|track| track.lag).fold(Distance::sum(0.0, 0.0), |a, b| {
-            if a.shorter(b) == a { b } else { a }
-        });
+        let lag = run
+            .tracks
+            .iter()
+            .map(|track| track.lag)
+            .fold(Distance::sum(0.0, 0.0), |a, b| if a.shorter(b) == a { b } else { a });
         let end = Distance::product((count - 1) as f64, spacing);
         let duration = (lag.minus(Distance::sum(0.0, 0.0)) + end.nearest()) / speed;
 
@@ -257,7 +259,8 @@ impl Setup {
         // Heights: that of the first track grows with its rise, the others with their own less that.
         let mut rate = form.height.clone();
         rate[0] -= form.height[1..].iter().sum::<f64>();
-        let of_groups = |weights: &[f64], scale: f64| order.iter().map(|&track| weights[track] * scale).collect();
+        let of_groups =
+            |weights: &[f64], scale: f64| order.iter().map(|&track| weights[track] * scale).collect();
         let (rise, rate) = (of_groups(&form.rate, pace), of_groups(&rate, pace));
         let (height, first) = (of_groups(&form.height, 1.0), of_groups(&form.first, 1.0));
         let output = Output::new(form, &self.bank);
@@ -265,15 +268,7 @@ impl Setup {
         let by_bend = self.bend(&output);
         let by_swing = self.bound([Lanes::ZERO; 2], self.lengths.reach(output.amplitude));
         let bulge = [by_bend.scaled(longest * longest / 8.0), by_swing.scaled(2.0)];
-        Reading {
-            rise,
-            height,
-            first,
-            rate,
-            bulge,
-            square: [Vec::new(), Vec::new()],
-            output,
-        }
+        Reading { rise, height, first, rate, bulge, square: [Vec::new(), Vec::new()], output }
     }
 
     /// A bound on |F″| over all legs of a period.
@@ -363,7 +358,8 @@ impl Setup {
                 select[(state, state)] = 1.0;
             }
             for group in 0..groups {
-                let before = inner.iter().position(|&g| g == group).filter(|_| layout.groups[group].leg > leg);
+                let before =
+                    inner.iter().position(|&g| g == group).filter(|_| layout.groups[group].leg > leg);
                 let column = before.map_or(group, |place| groups + place);
                 select[(2 * MODES + group, 2 * MODES + column)] = 1.0;
             }

@@ -91,6 +91,12 @@ pub enum Error {
          {expected:?} ± {tolerance:?} expected (orthonormal shapes, Eq. 7)"
     )]
     NotOrthonormal { row: usize, column: usize, value: f64, expected: f64, tolerance: f64 },
+    /// Coherent tracks of a spectrum that is no power law.
+    #[error(
+        "tracks a distance apart need a spectrum of one waviness: the coherency on an isotropic \
+         surface is known for power laws, not for a table of several"
+    )]
+    NoWaviness,
     /// The eigenvalue iteration did not converge.
     #[error("the eigenvalue iteration did not converge in {iterations} steps")]
     NotConverged { iterations: usize },

@@ -37,7 +37,12 @@
 //! | [`readout`] | loads, motions and accelerations as linear forms of the state |
 //! | [`sample`] | rows of results at the default times or at any |
 //! | [`extremes`] | true maxima and minima between samples |
+//! | [`random`] | normal deviates, a pure function of seed, run, line and track |
+//! | `fourier` | inverse transforms of eight runs side by side |
+//! | [`spectrum`] | one-sided spectra: piecewise power laws in a band |
+//! | [`coherence`] | how alike parallel tracks over an isotropic surface are |
 //! | [`ensemble`] | many equally spaced profiles at once: statistics without a history |
+//! | [`roughness`] | spectrum → random profiles, block by block |
 //! | `python` | the only file that names Python, behind the feature `python` |
 //!
 //! ```
@@ -65,10 +70,12 @@
 //! ```
 
 pub mod aircraft;
+pub mod coherence;
 pub mod distance;
 pub mod ensemble;
 pub mod error;
 pub mod extremes;
+mod fourier;
 mod knots;
 pub mod lanes;
 mod march;
@@ -77,8 +84,11 @@ mod path;
 pub mod profile;
 #[cfg(feature = "python")]
 mod python;
+pub mod random;
 pub mod readout;
+pub mod roughness;
 pub mod run;
 pub mod sample;
+pub mod spectrum;
 pub mod transition;
 pub mod watch;

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use numpy::ndarray::ArrayView1;
 use numpy::{
     PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyReadwriteArray1,
-    PyReadwriteArray2,
+    PyReadwriteArray2, PyReadwriteArray3,
 };
 use pyo3::create_exception;
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
@@ -16,8 +16,10 @@ use crate::aircraft::{self, Inertia};
 use crate::error::{Error, Result};
 use crate::extremes::Extreme;
 use crate::readout::Quantity;
+use crate::roughness::Stretch;
+use crate::spectrum::PowerLaw;
 use crate::watch::Pulse;
-use crate::{ensemble, modes, profile, run};
+use crate::{ensemble, modes, profile, roughness, run, spectrum};
 
 create_exception!(
     runway_modal,
@@ -392,6 +394,65 @@ fn simulate_many<'py>(
     }
 }
 
+#[pyclass(frozen, module = "runway_modal._core")]
+struct Spectrum(spectrum::Spectrum);
+
+#[pymethods]
+impl Spectrum {
+    #[staticmethod]
+    fn power_law(coefficient: f64, waviness: f64, reference: f64, band: (f64, f64)) -> PyResult<Self> {
+        let law = PowerLaw { coefficient, waviness, reference, band };
+        Ok(Self(spectrum::Spectrum::power_law(law)?))
+    }
+
+    #[staticmethod]
+    fn table(n: PyReadonlyArray1<f64>, psd: PyReadonlyArray1<f64>) -> PyResult<Self> {
+        Ok(Self(spectrum::Spectrum::table(n.as_slice()?, psd.as_slice()?)?))
+    }
+
+    fn band(&self) -> (f64, f64) {
+        self.0.band()
+    }
+
+    fn variance(&self) -> f64 {
+        let (low, high) = self.0.band();
+        self.0.variance(low, high)
+    }
+
+    fn density<'py>(&self, py: Python<'py>, n: PyReadonlyArray1<f64>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, n.as_array().iter().map(|&n| self.0.density(n)))
+    }
+}
+
+#[pyclass(frozen, module = "runway_modal._core")]
+struct Generator(roughness::Generator);
+
+#[pymethods]
+impl Generator {
+    #[new]
+    fn new(
+        py: Python,
+        spectrum: &Spectrum,
+        length: f64,
+        spacing: f64,
+        y: PyReadonlyArray1<f64>,
+        seed: u64,
+    ) -> PyResult<Self> {
+        let (stretch, y) = (Stretch { length, spacing }, y.as_slice()?);
+        Ok(Self(py.detach(|| roughness::Generator::new(&spectrum.0, stretch, y, seed))?))
+    }
+
+    fn stations(&self) -> usize {
+        self.0.stations()
+    }
+
+    /// Fills (run, track, station) from the first run on.
+    fn elevations(&self, py: Python, first_run: u64, mut out: PyReadwriteArray3<f64>) -> PyResult<()> {
+        let out = out.as_slice_mut()?;
+        detached(py, |pulse| self.0.elevations(first_run, out, pulse))
+    }
+}
+
 #[pyfunction]
 fn series(strut: f64, tire: f64) -> PyResult<f64> {
     Ok(aircraft::series(strut, tire)?)
@@ -401,5 +462,8 @@ fn series(strut: f64, tire: f64) -> PyResult<f64> {
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use super::{Aircraft, Gear, InputError, Modes, NumericalError, Profile, Run, series, simulate_many};
+    use super::{
+        Aircraft, Gear, Generator, InputError, Modes, NumericalError, Profile, Run, Spectrum, series,
+        simulate_many,
+    };
 }

@@ -12,6 +12,7 @@ from .profile import Profile
 from .profile_csv import read_csv, write_csv
 from .profile_erd import read_erd, write_erd
 from .response import Extremes, Response
+from .roughness import Roughness
 from .simulate import simulate
 from .units import knots
 
@@ -26,6 +27,7 @@ __all__ = [
     "NumericalError",
     "Profile",
     "Response",
+    "Roughness",
     "equivalent_stiffness",
     "f4e",
     "knots",

@@ -6,11 +6,13 @@ from numpy.typing import NDArray
 __all__ = [
     "Aircraft",
     "Gear",
+    "Generator",
     "InputError",
     "Modes",
     "NumericalError",
     "Profile",
     "Run",
+    "Spectrum",
     "series",
     "simulate_many",
 ]
@@ -109,3 +111,23 @@ class Run:
     def extremes(
         self, stations: NDArray[np.float64], begin: float, end: float
     ) -> tuple[NDArray[np.float64], list[tuple[float, float]]]: ...
+
+@final
+class Spectrum:
+    @staticmethod
+    def power_law(
+        coefficient: float, waviness: float, reference: float, band: tuple[float, float]
+    ) -> Spectrum: ...
+    @staticmethod
+    def table(n: NDArray[np.float64], psd: NDArray[np.float64]) -> Spectrum: ...
+    def band(self) -> tuple[float, float]: ...
+    def variance(self) -> float: ...
+    def density(self, n: NDArray[np.float64]) -> NDArray[np.float64]: ...
+
+@final
+class Generator:
+    def __new__(
+        cls, spectrum: Spectrum, length: float, spacing: float, y: NDArray[np.float64], seed: int
+    ) -> Generator: ...
+    def stations(self) -> int: ...
+    def elevations(self, first_run: int, out: NDArray[np.float64]) -> None: ...

@@ -1,0 +1,254 @@
+//! Random profiles from a spectrum: run 731 is the same profile in any batch, on any thread or
+//! machine.
+//!
+//! A profile is a part of one period of a sum of waves,
+//!
+//! ```text
+//! z(x) = Σ √vₖ (ξₖ cos 2πnₖx − ηₖ sin 2πnₖx)        nₖ = k ÷ period
+//! ```
+//!
+//! with ξ, η standard normal and vₖ the spectrum's integral from halfway to the line before to
+//! halfway to the line after, so that the variance is the spectrum's to the last bit that
+//! matters. Every station is Gaussian, and none is special: the process is stationary.
+//!
+//! The period exceeds the length by at least two of the longest waves: the ends of a profile
+//! then have nearly nothing to do with each other, and the lines are close enough to follow the
+//! spectrum where it is steepest.
+
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use crate::coherence::Coherency;
+use crate::error::{Error, Result, finite, positive};
+use crate::fourier::{Pair, Transform, times};
+use crate::random::{Deviates, LINES, Row, Streams, WIDTH};
+use crate::spectrum::Spectrum;
+use crate::watch::Pulse;
+
+/// Longest waves by which the period exceeds the length.
+const MARGIN: f64 = 2.0;
+
+/// Spacings in a period: beyond, one block of runs would fill the memory.
+const MOST_SPACINGS: f64 = 134_217_728.0; // 2²⁷
+
+/// Wavinesses of isotropic surfaces.
+const MOST_WAVINESS: f64 = 10.0;
+
+/// The stretch of runway that profiles are made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// From the first station to the last, at least.
+    pub length: f64,
+    /// Of the stations.
+    pub spacing: f64,
+}
+
+/// Makes profiles: everything that does not depend on the run.
+#[derive(Clone, Debug)]
+pub struct Generator {
+    seed: u64,
+    stations: usize,
+    /// Distinct lateral positions, in order of appearance; and which of them each track has.
+    tracks: usize,
+    track_of: Vec<usize>,
+    /// The first line that is not zero.
+    first_line: usize,
+    /// Half of √v L of each line from there, L the factor of the tracks' coherencies.
+    triangles: Vec<f64>,
+    transform: Transform,
+}
+
+/// Room for the profiles of one block of runs.
+#[derive(Clone, Debug)]
+pub struct Block {
+    tracks: Vec<Vec<Pair>>,
+    noise: Vec<Deviates>,
+}
+
+impl Block {
+    /// Elevations at the stations under a distinct track.
+    #[must_use]
+    pub fn track(&self, distinct: usize) -> &[Row] {
+        self.tracks[distinct].as_flattened()
+    }
+}
+
+impl Generator {
+    /// For parallel tracks at `y` on one isotropic surface; tracks at the same `y` are one.
+    ///
+    /// # Errors
+    /// Values out of range, a spacing that the band's shortest waves do not fit, and several
+    /// tracks where the spectrum has no single waviness.
+    pub fn new(spectrum: &Spectrum, stretch: Stretch, y: &[f64], seed: u64) -> Result<Self> {
+        let Stretch { length, spacing } = stretch;
+        positive("length", length)?;
+        positive("spacing", spacing)?;
+        let (longest, shortest) = spectrum.band();
+        if 2.0 * spacing * shortest > 1.0 + 1e-9 {
+            let why = "the band's shortest wave needs two stations; lower the band's upper end or the spacing";
+            return Err(Error::OutOfRange { place: "spacing".into(), value: spacing, why });
+        }
+        // A length that is a whole number of spacings but for rounding is one.
+        let segments = (length / spacing - 1e-9).ceil().max(1.0);
+        let period = segments + (MARGIN / (longest * spacing)).ceil();
+        if period > MOST_SPACINGS {
+            let why = "length and longest wave of the band hold more than 2^27 spacings";
+            return Err(Error::OutOfRange { place: "spacing".into(), value: spacing, why });
+        }
+        let (distinct, track_of) = distinct(y)?;
+        let coherency = match (distinct.len(), spectrum.waviness()) {
+            (1, _) => Coherency::new(1.0),
+            (_, None) => return Err(Error::NoWaviness),
+            (_, Some(waviness)) if waviness > 0.0 && waviness <= MOST_WAVINESS => Coherency::new(waviness),
+            (_, Some(value)) => {
+                let why = "an isotropic surface has a waviness above 0, at most 10";
+                return Err(Error::OutOfRange { place: "waviness".into(), value, why });
+            }
+        };
+
+        // Half a period of lines in as many complex terms.
+        let size = Transform::size((period as usize).div_ceil(2));
+        let step = 1.0 / (2.0 * size as f64 * spacing);
+        let (first, last) = (((longest / step + 0.5) as usize).max(1), size - 1);
+        let end = ((shortest / step + 0.5) as usize).min(last) + 1;
+        let triangles = (first..end)
+            .into_par_iter()
+            .flat_map_iter(|k| {
+                let upper = if k == last { shortest } else { (k as f64 + 0.5) * step };
+                let half_deviation = 0.5 * spectrum.variance((k as f64 - 0.5) * step, upper).sqrt();
+                let mut triangle = Vec::with_capacity(distinct.len() * (distinct.len() + 1) / 2);
+                coherency.factor(k as f64 * step, &distinct, &mut triangle);
+                triangle.into_iter().map(move |entry| half_deviation * entry)
+            })
+            .collect();
+        Ok(Self {
+            seed,
+            stations: segments as usize + 1,
+            tracks: distinct.len(),
+            track_of,
+            first_line: first,
+            triangles,
+            transform: Transform::new(size),
+        })
+    }
+
+    /// Stations of a profile.
+    #[must_use]
+    pub fn stations(&self) -> usize {
+        self.stations
+    }
+
+    /// Which distinct track each of the tracks is.
+    #[must_use]
+    pub fn track_of(&self) -> &[usize] {
+        &self.track_of
+    }
+
+    /// Room for one block.
+    #[must_use]
+    pub fn block(&self) -> Block {
+        let none = [[0.0; WIDTH]; 2];
+        let rows = self.transform.terms();
+        Block { tracks: vec![vec![none; rows]; self.tracks], noise: vec![[[[0.0; WIDTH]; LINES]; 2]; self.tracks] }
+    }
+
+    /// Makes the profiles of eight runs.
+    pub fn fill(&self, runs: [u64; WIDTH], block: &mut Block) {
+        synthesize(self, &Streams::new(self.seed, runs), block);
+    }
+
+    /// Profiles of consecutive runs: (run, track, station), as many runs as fit.
+    ///
+    /// # Errors
+    /// When the caller asks to stop.
+    pub fn elevations(&self, first_run: u64, out: &mut [f64], pulse: Pulse) -> Result<()> {
+        let run_size = self.track_of.len() * self.stations;
+        let work = WIDTH * self.transform.terms() * self.tracks;
+        // Long enough for all threads to have work, short enough to stop within a second.
+        let blocks = rayon::current_num_threads() * (PATIENCE / work).max(1);
+        for (wave, runs) in out.chunks_mut(blocks * WIDTH * run_size).enumerate() {
+            pulse()?;
+            runs.par_chunks_mut(WIDTH * run_size).enumerate().for_each_init(
+                || self.block(),
+                |block, (i, runs)| {
+                    let first = first_run.wrapping_add(((wave * blocks + i) * WIDTH) as u64);
+                    self.fill(std::array::from_fn(|lane| first.wrapping_add(lane as u64)), block);
+                    for (lane, run) in runs.chunks_mut(run_size).enumerate() {
+                        for (track, out) in self.track_of.iter().zip(run.chunks_mut(self.stations)) {
+                            for (z, row) in out.iter_mut().zip(block.track(*track)) {
+                                *z = row[lane];
+                            }
+                        }
+                    }
+                },
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Stations times runs between two questions: some tens of milliseconds.
+const PATIENCE: usize = 1 << 22;
+
+fn distinct(y: &[f64]) -> Result<(Vec<f64>, Vec<usize>)> {
+    if y.is_empty() {
+        return Err(Error::TooShort { argument: "y", found: 0, least: 1 });
+    }
+    let mut distinct: Vec<f64> = vec![];
+    let mut track_of = vec![];
+    for (i, &value) in y.iter().enumerate() {
+        finite(crate::error::Place::at("y", i), value)?;
+        let known = distinct.iter().position(|&other| other == value);
+        track_of.push(known.unwrap_or_else(|| {
+            distinct.push(value);
+            distinct.len() - 1
+        }));
+    }
+    Ok((distinct, track_of))
+}
+
+/// Draws the lines of all tracks, then sums them, track by track.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+fn synthesize(generator: &Generator, streams: &Streams, block: &mut Block) {
+    let Generator { transform, tracks, .. } = generator;
+    let size = transform.terms();
+    for track in &mut block.tracks {
+        track.fill([[0.0; WIDTH]; 2]);
+    }
+    for (i, triangle) in generator.triangles.chunks_exact(tracks * (tracks + 1) / 2).enumerate() {
+        let k = generator.first_line + i;
+        if i % LINES == 0 {
+            for (t, noise) in block.noise.iter_mut().enumerate() {
+                streams.normals(k as u32, t as u32, noise);
+            }
+        }
+        // A real series of twice the size, even stations as real parts, odd ones as imaginary:
+        // line k goes into terms k and size − k.
+        let [cos, sin] = transform.turn(k);
+        let (here, there) = (transform.place(k), transform.place(size - k));
+        let mut entries = triangle.iter();
+        for (t, terms) in block.tracks.iter_mut().enumerate() {
+            let mut line = [[0.0; WIDTH]; 2];
+            for (noise, factor) in block.noise[..=t].iter().zip(&mut entries) {
+                add(&mut line[0], &noise[0][i % LINES], *factor);
+                add(&mut line[1], &noise[1][i % LINES], *factor);
+            }
+            let [re, im] = times(line, [1.0 - sin, cos]);
+            add(&mut terms[here][0], &re, 1.0);
+            add(&mut terms[here][1], &im, 1.0);
+            let [re, im] = times(line, [1.0 + sin, -cos]);
+            add(&mut terms[there][0], &re, 1.0);
+            add(&mut terms[there][1], &im, -1.0);
+        }
+    }
+    for terms in &mut block.tracks {
+        transform.sum(terms);
+    }
+}
+
+#[inline(always)]
+fn add(sum: &mut Row, term: &Row, factor: f64) {
+    for lane in 0..WIDTH {
+        sum[lane] += factor * term[lane];
+    }
+}

@@ -18,13 +18,12 @@ pub(crate) struct Transform {
     radices: Vec<usize>,
     /// e^(2πik ÷ 2 size) for 0 ≤ k < size, as cos and sin.
     turns: Vec<[f64; 2]>,
-    /// Where term k stands before the passes.
-    places: Vec<u32>,
+    size: usize,
 }
 
 impl Transform {
     /// The least size ≥ `least` that there is a transform of.
-    pub fn size(least: usize) -> usize {
+    pub fn fast_size(least: usize) -> usize {
         let mut size = least.max(1);
         while left_over(size) != 1 {
             size += 1;
@@ -42,37 +41,32 @@ impl Transform {
             radices.push(radix.unwrap_or(if odd_two { 2 } else { 4 }));
             left /= radices[radices.len() - 1];
         }
-        let place = |k: usize| {
-            let (mut k, mut block, mut place) = (k, size, 0);
-            for radix in &radices {
-                block /= radix;
-                place += k % radix * block;
-                k /= radix;
-            }
-            place as u32
-        };
         let turn = |k: usize| {
             let (sin, cos) = libm::sincos(TAU * (k as f64 / (2 * size) as f64));
             [cos, sin]
         };
-        Self { places: (0..size).map(place).collect(), turns: (0..size).map(turn).collect(), radices }
+        Self { radices, size, turns: (0..size).map(turn).collect() }
     }
 
     /// Terms.
-    pub fn terms(&self) -> usize {
-        self.places.len()
+    pub fn size(&self) -> usize {
+        self.size
     }
 
     /// e^(2πik ÷ 2 size), k < size.
-    #[inline(always)]
     pub fn turn(&self, k: usize) -> [f64; 2] {
         self.turns[k]
     }
 
     /// Where to put term k.
-    #[inline(always)]
-    pub fn place(&self, k: usize) -> usize {
-        self.places[k] as usize
+    pub fn place(&self, mut k: usize) -> u32 {
+        let (mut block, mut place) = (self.size, 0);
+        for radix in &self.radices {
+            block /= radix;
+            place += k % radix * block;
+            k /= radix;
+        }
+        place as u32
     }
 
     /// Turns terms in their places into their sums: x_j = Σ X_k e^(2πijk ÷ size).
@@ -113,7 +107,7 @@ impl Transform {
         [Pair; R]: Butterfly,
     {
         let stride = x.len() / R;
-        let step = 2 * self.turns.len() / x.len();
+        let step = 2 * self.size / x.len();
         for j in 0..stride {
             let mut terms = [[[0.0; WIDTH]; 2]; R];
             terms[0] = x[j];
@@ -251,8 +245,8 @@ mod tests {
             let mut x = vec![[[0.0; WIDTH]; 2]; size];
             for (k, lane) in (0..size).flat_map(|k| (0..WIDTH).map(move |lane| (k, lane))) {
                 let [re, im] = term(k, lane);
-                x[transform.place(k)][0][lane] = re;
-                x[transform.place(k)][1][lane] = im;
+                x[transform.place(k) as usize][0][lane] = re;
+                x[transform.place(k) as usize][1][lane] = im;
             }
             transform.sum(&mut x);
             for (j, lane) in (0..size).flat_map(|j| (0..WIDTH).map(move |lane| (j, lane))) {
@@ -273,7 +267,7 @@ mod tests {
     #[test]
     fn sizes() {
         for (least, size) in [(1, 1), (7, 8), (11, 12), (13, 15), (31, 32), (6001, 6075), (6076, 6144)] {
-            assert_eq!(Transform::size(least), size);
+            assert_eq!(Transform::fast_size(least), size);
         }
     }
 }

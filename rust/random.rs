@@ -64,11 +64,14 @@ impl Streams {
     /// Standard normal deviates of some lines of a track. Drawn in three loops, each with few
     /// enough steps a number for many numbers to be under way at once.
     #[inline(always)]
-    pub fn normals(&self, first_line: u32, track: u32, out: &mut Deviates) {
+    pub fn normals(&self, lines: &[u32; LINES], track: u32, out: &mut Deviates) {
+        let mut line = [0; MANY];
+        for i in 0..MANY {
+            line[i] = u64::from(lines[i / WIDTH]);
+        }
         let mut words = [[0; MANY]; 2];
         for i in 0..MANY {
-            let line = u64::from(first_line) + (i / WIDTH) as u64;
-            let counter = [line, u64::from(track), self.runs[0][i], self.runs[1][i]];
+            let counter = [line[i], u64::from(track), self.runs[0][i], self.runs[1][i]];
             let [a, b, c, d] = philox(self.key, counter);
             words[0][i] = a | (b << 32);
             words[1][i] = c | (d << 32);

@@ -51,11 +51,24 @@ pub struct Generator {
     /// Distinct lateral positions, in order of appearance; and which of them each track has.
     tracks: usize,
     track_of: Vec<usize>,
-    /// The first line that is not zero.
-    first_line: usize,
-    /// Half of √v L of each line from there, L the factor of the tracks' coherencies.
+    /// The lines in the band, in order of their first place: memory is then walked through, not
+    /// jumped about in.
+    lines: Vec<Line>,
+    /// Half of √v L of each line, L the factor of the tracks' coherencies.
     triangles: Vec<f64>,
     transform: Transform,
+}
+
+/// A wave of the sum, and where it goes.
+///
+/// A real series of twice as many terms has its even stations as real parts, its odd ones as
+/// imaginary parts; line k then goes into terms k and size − k.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    number: u32,
+    places: [u32; 2],
+    /// e^(iπk ÷ size).
+    turn: [f64; 2],
 }
 
 /// Room for the profiles of one block of runs.
@@ -107,28 +120,35 @@ impl Generator {
         };
 
         // Half a period of lines in as many complex terms.
-        let size = Transform::size((period as usize).div_ceil(2));
+        let size = Transform::fast_size((period as usize).div_ceil(2));
         let step = 1.0 / (2.0 * size as f64 * spacing);
         let (first, last) = (((longest / step + 0.5) as usize).max(1), size - 1);
         let end = ((shortest / step + 0.5) as usize).min(last) + 1;
-        let triangles = (first..end)
-            .into_par_iter()
-            .flat_map_iter(|k| {
-                let upper = if k == last { shortest } else { (k as f64 + 0.5) * step };
-                let half_deviation = 0.5 * spectrum.variance((k as f64 - 0.5) * step, upper).sqrt();
-                let mut triangle = Vec::with_capacity(distinct.len() * (distinct.len() + 1) / 2);
-                coherency.factor(k as f64 * step, &distinct, &mut triangle);
-                triangle.into_iter().map(move |entry| half_deviation * entry)
-            })
-            .collect();
+        let transform = Transform::new(size);
+        let line = |k: usize| Line {
+            number: k as u32,
+            places: [k, size - k].map(|k| transform.place(k)),
+            turn: transform.turn(k),
+        };
+        let mut lines: Vec<Line> = (first..end).map(line).collect();
+        lines.sort_unstable_by_key(|line| line.places[0]);
+        let triangle = |line: &Line| {
+            let k = f64::from(line.number);
+            let upper = if line.number as usize == last { shortest } else { (k + 0.5) * step };
+            let half_deviation = 0.5 * spectrum.variance((k - 0.5) * step, upper).sqrt();
+            let mut triangle = Vec::with_capacity(distinct.len() * (distinct.len() + 1) / 2);
+            coherency.factor(k * step, &distinct, &mut triangle);
+            triangle.into_iter().map(move |entry| half_deviation * entry)
+        };
+        let triangles = threads().install(|| lines.par_iter().flat_map_iter(triangle).collect());
         Ok(Self {
             seed,
             stations: segments as usize + 1,
             tracks: distinct.len(),
             track_of,
-            first_line: first,
+            lines,
             triangles,
-            transform: Transform::new(size),
+            transform,
         })
     }
 
@@ -148,7 +168,7 @@ impl Generator {
     #[must_use]
     pub fn block(&self) -> Block {
         let none = [[0.0; WIDTH]; 2];
-        let rows = self.transform.terms();
+        let rows = self.transform.size();
         Block { tracks: vec![vec![none; rows]; self.tracks], noise: vec![[[[0.0; WIDTH]; LINES]; 2]; self.tracks] }
     }
 
@@ -163,28 +183,37 @@ impl Generator {
     /// When the caller asks to stop.
     pub fn elevations(&self, first_run: u64, out: &mut [f64], pulse: Pulse) -> Result<()> {
         let run_size = self.track_of.len() * self.stations;
-        let work = WIDTH * self.transform.terms() * self.tracks;
+        let work = WIDTH * self.transform.size() * self.tracks;
         // Long enough for all threads to have work, short enough to stop within a second.
-        let blocks = rayon::current_num_threads() * (PATIENCE / work).max(1);
+        let threads = threads();
+        let blocks = threads.current_num_threads() * (PATIENCE / work).max(1);
         for (wave, runs) in out.chunks_mut(blocks * WIDTH * run_size).enumerate() {
             pulse()?;
-            runs.par_chunks_mut(WIDTH * run_size).enumerate().for_each_init(
-                || self.block(),
-                |block, (i, runs)| {
-                    let first = first_run.wrapping_add(((wave * blocks + i) * WIDTH) as u64);
-                    self.fill(std::array::from_fn(|lane| first.wrapping_add(lane as u64)), block);
-                    for (lane, run) in runs.chunks_mut(run_size).enumerate() {
-                        for (track, out) in self.track_of.iter().zip(run.chunks_mut(self.stations)) {
-                            for (z, row) in out.iter_mut().zip(block.track(*track)) {
-                                *z = row[lane];
-                            }
+            let fill = |block: &mut Block, (i, runs): (usize, &mut [f64])| {
+                self.fill_from(first_run.wrapping_add(((wave * blocks + i) * WIDTH) as u64), block);
+                for (lane, run) in runs.chunks_mut(run_size).enumerate() {
+                    for (track, out) in self.track_of.iter().zip(run.chunks_mut(self.stations)) {
+                        for (z, row) in out.iter_mut().zip(block.track(*track)) {
+                            *z = row[lane];
                         }
                     }
-                },
-            );
+                }
+            };
+            let runs = runs.par_chunks_mut(WIDTH * run_size).enumerate();
+            threads.install(|| runs.for_each_init(|| self.block(), fill));
         }
         Ok(())
     }
+
+    /// Makes the profiles of eight consecutive runs.
+    fn fill_from(&self, first: u64, block: &mut Block) {
+        self.fill(std::array::from_fn(|lane| first.wrapping_add(lane as u64)), block);
+    }
+}
+
+/// Threads of our own, which a forked process has as well.
+fn threads() -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().build().expect("threads")
 }
 
 /// Stations times runs between two questions: some tens of milliseconds.
@@ -207,42 +236,44 @@ fn distinct(y: &[f64]) -> Result<(Vec<f64>, Vec<usize>)> {
     Ok((distinct, track_of))
 }
 
-/// Draws the lines of all tracks, then sums them, track by track.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
 fn synthesize(generator: &Generator, streams: &Streams, block: &mut Block) {
-    let Generator { transform, tracks, .. } = generator;
-    let size = transform.terms();
+    synthesize_here(generator, streams, block);
+}
+
+/// Draws the lines of all tracks, then sums them, track by track.
+#[inline(always)]
+fn synthesize_here(generator: &Generator, streams: &Streams, block: &mut Block) {
     for track in &mut block.tracks {
         track.fill([[0.0; WIDTH]; 2]);
     }
-    for (i, triangle) in generator.triangles.chunks_exact(tracks * (tracks + 1) / 2).enumerate() {
-        let k = generator.first_line + i;
-        if i % LINES == 0 {
-            for (t, noise) in block.noise.iter_mut().enumerate() {
-                streams.normals(k as u32, t as u32, noise);
-            }
+    let mut triangles = generator.triangles.chunks_exact(generator.tracks * (generator.tracks + 1) / 2);
+    for lines in generator.lines.chunks(LINES) {
+        let numbers = std::array::from_fn(|i| lines.get(i).map_or(0, |line| line.number));
+        for (t, noise) in block.noise.iter_mut().enumerate() {
+            streams.normals(&numbers, t as u32, noise);
         }
-        // A real series of twice the size, even stations as real parts, odd ones as imaginary:
-        // line k goes into terms k and size − k.
-        let [cos, sin] = transform.turn(k);
-        let (here, there) = (transform.place(k), transform.place(size - k));
-        let mut entries = triangle.iter();
-        for (t, terms) in block.tracks.iter_mut().enumerate() {
-            let mut line = [[0.0; WIDTH]; 2];
-            for (noise, factor) in block.noise[..=t].iter().zip(&mut entries) {
-                add(&mut line[0], &noise[0][i % LINES], *factor);
-                add(&mut line[1], &noise[1][i % LINES], *factor);
+        for (i, (line, triangle)) in lines.iter().zip(&mut triangles).enumerate() {
+            let [here, there] = line.places.map(|place| place as usize);
+            let [cos, sin] = line.turn;
+            let mut entries = triangle.iter();
+            for (t, terms) in block.tracks.iter_mut().enumerate() {
+                let mut wave = [[0.0; WIDTH]; 2];
+                for (noise, factor) in block.noise[..=t].iter().zip(&mut entries) {
+                    add(&mut wave[0], &noise[0][i], *factor);
+                    add(&mut wave[1], &noise[1][i], *factor);
+                }
+                let [re, im] = times(wave, [1.0 - sin, cos]);
+                add(&mut terms[here][0], &re, 1.0);
+                add(&mut terms[here][1], &im, 1.0);
+                let [re, im] = times(wave, [1.0 + sin, -cos]);
+                add(&mut terms[there][0], &re, 1.0);
+                add(&mut terms[there][1], &im, -1.0);
             }
-            let [re, im] = times(line, [1.0 - sin, cos]);
-            add(&mut terms[here][0], &re, 1.0);
-            add(&mut terms[here][1], &im, 1.0);
-            let [re, im] = times(line, [1.0 + sin, -cos]);
-            add(&mut terms[there][0], &re, 1.0);
-            add(&mut terms[there][1], &im, -1.0);
         }
     }
     for terms in &mut block.tracks {
-        transform.sum(terms);
+        generator.transform.sum(terms);
     }
 }
 
@@ -250,5 +281,25 @@ fn synthesize(generator: &Generator, streams: &Streams, block: &mut Block) {
 fn add(sum: &mut Row, term: &Row, factor: f64) {
     for lane in 0..WIDTH {
         sum[lane] += factor * term[lane];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::PowerLaw;
+
+    /// Vectors of whatever width this machine has give the bits of the plain build's.
+    #[test]
+    fn any_width_of_vectors() {
+        let law = PowerLaw { coefficient: 16e-6, waviness: 2.0, reference: 0.1, band: (0.01, 1.0) };
+        let stretch = Stretch { length: 500.0, spacing: 0.5 };
+        let spectrum = Spectrum::power_law(law).unwrap();
+        let generator = Generator::new(&spectrum, stretch, &[0.0, 5.0, -5.0], 7).unwrap();
+        let runs = std::array::from_fn(|lane| 100 * lane as u64);
+        let (mut wide, mut plain) = (generator.block(), generator.block());
+        generator.fill(runs, &mut wide);
+        synthesize_here(&generator, &Streams::new(7, runs), &mut plain);
+        assert_eq!(wide.tracks, plain.tracks);
     }
 }

@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::random::{Row, WIDTH};
+use crate::ensemble::{RUNS, Row};
 
 /// Real and imaginary parts of one term, or two neighbouring stations.
 pub(crate) type Pair = [Row; 2];
@@ -109,7 +109,7 @@ impl Transform {
         let stride = x.len() / R;
         let step = 2 * self.size / x.len();
         for j in 0..stride {
-            let mut terms = [[[0.0; WIDTH]; 2]; R];
+            let mut terms = [[[0.0; RUNS]; 2]; R];
             terms[0] = x[j];
             let first = self.turns[j * step];
             let mut turn = first;
@@ -137,9 +137,9 @@ fn left_over(mut size: usize) -> usize {
 
 #[inline(always)]
 fn zip(a: Pair, b: Pair, rule: impl Fn(f64, f64) -> f64) -> Pair {
-    let mut out = [[0.0; WIDTH]; 2];
+    let mut out = [[0.0; RUNS]; 2];
     for part in 0..2 {
-        for lane in 0..WIDTH {
+        for lane in 0..RUNS {
             out[part][lane] = rule(a[part][lane], b[part][lane]);
         }
     }
@@ -170,8 +170,8 @@ fn turned([re, im]: Pair) -> Pair {
 /// Times a complex number, the same in every lane.
 #[inline(always)]
 pub(crate) fn times([re, im]: Pair, [c, s]: [f64; 2]) -> Pair {
-    let (mut real, mut imaginary) = ([0.0; WIDTH], [0.0; WIDTH]);
-    for lane in 0..WIDTH {
+    let (mut real, mut imaginary) = ([0.0; RUNS], [0.0; RUNS]);
+    for lane in 0..RUNS {
         real[lane] = re[lane] * c - im[lane] * s;
         imaginary[lane] = re[lane] * s + im[lane] * c;
     }
@@ -242,14 +242,14 @@ mod tests {
                 let value = |shift: usize| ((31 * k + 7 * lane + shift) % 17) as f64 - 8.0;
                 [value(0), value(5)]
             };
-            let mut x = vec![[[0.0; WIDTH]; 2]; size];
-            for (k, lane) in (0..size).flat_map(|k| (0..WIDTH).map(move |lane| (k, lane))) {
+            let mut x = vec![[[0.0; RUNS]; 2]; size];
+            for (k, lane) in (0..size).flat_map(|k| (0..RUNS).map(move |lane| (k, lane))) {
                 let [re, im] = term(k, lane);
                 x[transform.place(k) as usize][0][lane] = re;
                 x[transform.place(k) as usize][1][lane] = im;
             }
             transform.sum(&mut x);
-            for (j, lane) in (0..size).flat_map(|j| (0..WIDTH).map(move |lane| (j, lane))) {
+            for (j, lane) in (0..size).flat_map(|j| (0..RUNS).map(move |lane| (j, lane))) {
                 let mut expected = [0.0; 2];
                 for k in 0..size {
                     let (sin, cos) = libm::sincos(TAU * ((j * k % size) as f64 / size as f64));

@@ -350,20 +350,28 @@ fn many<'py, T: numpy::Element + Copy + Into<f64> + Sync>(
         }
     })?;
     let failed = found.failed.iter().map(|&run| (run, memory.fault(run).to_string())).collect();
+    Ok((columns(py, plan, runs, found)?, failed))
+}
+
+fn columns<'py>(
+    py: Python<'py>,
+    plan: &ensemble::Plan,
+    runs: usize,
+    found: ensemble::Statistics,
+) -> PyResult<[Bound<'py, PyArray2<f64>>; 5]> {
     let columns = |values: Vec<f64>, count: usize| {
         numpy::ndarray::Array2::from_shape_vec((runs, count), values)
             .map(|array| PyArray2::from_owned_array(py, array))
             .map_err(|error| PyValueError::new_err(error.to_string()))
     };
     let (gears, points) = (plan.gears(), plan.points[0].len());
-    let arrays = [
+    Ok([
         columns(found.max_load, gears)?,
         columns(found.min_load, gears)?,
         columns(found.rms_load, gears)?,
         columns(found.max_acceleration, points)?,
         columns(found.rms_acceleration, points)?,
-    ];
-    Ok((arrays, failed))
+    ])
 }
 
 /// Many runs at once; `modes` and `speed` one for all or one a run. Failed runs raise, or are
@@ -453,6 +461,38 @@ impl Generator {
     }
 }
 
+/// Runs over random profiles: tables as those of `simulate_many`.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "a plan, spelled out")]
+fn monte_carlo<'py>(
+    py: Python<'py>,
+    modes: &Modes,
+    generator: &Generator,
+    first_run: u64,
+    runs: usize,
+    speed: Vec<f64>,
+    stations: PyReadonlyArray2<f64>,
+    damping_input: bool,
+) -> PyResult<[Bound<'py, PyArray2<f64>>; 5]> {
+    let plan = ensemble::Plan {
+        modes: vec![Arc::clone(&modes.0)],
+        speed,
+        tracks: generator.0.track_of().len(),
+        stations: generator.0.stations(),
+        spacing: generator.0.spacing(),
+        points: vec![points(&stations)],
+        damping_input,
+    };
+    let source = roughness::Runs { generator: &generator.0, first: first_run };
+    let found = detached(py, |pulse| {
+        let found = ensemble::simulate(&plan, runs, &source, pulse)?;
+        // Elevations are finite: the motion left the range of double precision.
+        found.failed.first().map_or(Ok(()), |&run| Err(Error::RunOverflow { run: first_run as usize + run }))?;
+        Ok(found)
+    })?;
+    columns(py, &plan, runs, found)
+}
+
 #[pyfunction]
 fn series(strut: f64, tire: f64) -> PyResult<f64> {
     Ok(aircraft::series(strut, tire)?)
@@ -463,7 +503,7 @@ fn series(strut: f64, tire: f64) -> PyResult<f64> {
 mod _core {
     #[pymodule_export]
     use super::{
-        Aircraft, Gear, Generator, InputError, Modes, NumericalError, Profile, Run, Spectrum, series,
-        simulate_many,
+        Aircraft, Gear, Generator, InputError, Modes, NumericalError, Profile, Run, Spectrum, monte_carlo,
+        series, simulate_many,
     };
 }

@@ -11,11 +11,7 @@
 
 use std::f64::consts::{FRAC_PI_2, LN_2, SQRT_2};
 
-/// Runs side by side.
-pub const WIDTH: usize = 8;
-
-/// One number of each of [`WIDTH`] runs.
-pub type Row = [f64; WIDTH];
+use crate::ensemble::{RUNS, Row};
 
 /// Lines drawn at once: loops this long keep a processor's units busy.
 pub const LINES: usize = 8;
@@ -23,7 +19,7 @@ pub const LINES: usize = 8;
 /// Two independent deviates of each of [`LINES`] lines.
 pub type Deviates = [[Row; LINES]; 2];
 
-const MANY: usize = LINES * WIDTH;
+const MANY: usize = LINES * RUNS;
 
 const LOW: u64 = 0xffff_ffff;
 
@@ -55,9 +51,9 @@ pub struct Streams {
 impl Streams {
     /// The streams of eight runs.
     #[must_use]
-    pub fn new(seed: u64, runs: [u64; WIDTH]) -> Self {
+    pub fn new(seed: u64, runs: [u64; RUNS]) -> Self {
         let [low, high] = [runs.map(|run| run & LOW), runs.map(|run| run >> 32)];
-        let again = |words: [u64; WIDTH]| std::array::from_fn(|i| words[i % WIDTH]);
+        let again = |words: [u64; RUNS]| std::array::from_fn(|i| words[i % RUNS]);
         Self { key: [seed & LOW, seed >> 32], runs: [again(low), again(high)] }
     }
 
@@ -67,7 +63,7 @@ impl Streams {
     pub fn normals(&self, lines: &[u32; LINES], track: u32, out: &mut Deviates) {
         let mut line = [0; MANY];
         for i in 0..MANY {
-            line[i] = u64::from(lines[i / WIDTH]);
+            line[i] = u64::from(lines[i / RUNS]);
         }
         let mut words = [[0; MANY]; 2];
         for i in 0..MANY {
@@ -192,7 +188,10 @@ mod tests {
             };
             assert!((f64::EPSILON..=1.0).contains(&u));
             let (found, expected) = (minus_two_log(u), -2.0 * libm::log(u));
-            assert!((found - expected).abs() <= 4.0 * f64::EPSILON * expected, "{u:?} {found:?} {expected:?}");
+            assert!(
+                (found - expected).abs() <= 4.0 * f64::EPSILON * expected,
+                "{u:?} {found:?} {expected:?}"
+            );
 
             let angle = (u - 0.5) * FRAC_PI_2;
             let (sin, cos) = libm::sincos(angle);

@@ -19,9 +19,10 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::coherence::Coherency;
+use crate::ensemble::{RUNS, Reader, Row, Source};
 use crate::error::{Error, Result, finite, positive};
 use crate::fourier::{Pair, Transform, times};
-use crate::random::{Deviates, LINES, Row, Streams, WIDTH};
+use crate::random::{Deviates, LINES, Streams};
 use crate::spectrum::Spectrum;
 use crate::watch::Pulse;
 
@@ -47,6 +48,7 @@ pub struct Stretch {
 #[derive(Clone, Debug)]
 pub struct Generator {
     seed: u64,
+    spacing: f64,
     stations: usize,
     /// Distinct lateral positions, in order of appearance; and which of them each track has.
     tracks: usize,
@@ -98,7 +100,8 @@ impl Generator {
         positive("spacing", spacing)?;
         let (longest, shortest) = spectrum.band();
         if 2.0 * spacing * shortest > 1.0 + 1e-9 {
-            let why = "the band's shortest wave needs two stations; lower the band's upper end or the spacing";
+            let why =
+                "the band's shortest wave needs two stations; lower the band's upper end or the spacing";
             return Err(Error::OutOfRange { place: "spacing".into(), value: spacing, why });
         }
         // A length that is a whole number of spacings but for rounding is one.
@@ -143,6 +146,7 @@ impl Generator {
         let triangles = threads().install(|| lines.par_iter().flat_map_iter(triangle).collect());
         Ok(Self {
             seed,
+            spacing,
             stations: segments as usize + 1,
             tracks: distinct.len(),
             track_of,
@@ -150,6 +154,12 @@ impl Generator {
             triangles,
             transform,
         })
+    }
+
+    /// Distance between stations.
+    #[must_use]
+    pub fn spacing(&self) -> f64 {
+        self.spacing
     }
 
     /// Stations of a profile.
@@ -167,13 +177,16 @@ impl Generator {
     /// Room for one block.
     #[must_use]
     pub fn block(&self) -> Block {
-        let none = [[0.0; WIDTH]; 2];
+        let none = [[0.0; RUNS]; 2];
         let rows = self.transform.size();
-        Block { tracks: vec![vec![none; rows]; self.tracks], noise: vec![[[[0.0; WIDTH]; LINES]; 2]; self.tracks] }
+        Block {
+            tracks: vec![vec![none; rows]; self.tracks],
+            noise: vec![[[[0.0; RUNS]; LINES]; 2]; self.tracks],
+        }
     }
 
     /// Makes the profiles of eight runs.
-    pub fn fill(&self, runs: [u64; WIDTH], block: &mut Block) {
+    pub fn fill(&self, runs: [u64; RUNS], block: &mut Block) {
         synthesize(self, &Streams::new(self.seed, runs), block);
     }
 
@@ -183,14 +196,14 @@ impl Generator {
     /// When the caller asks to stop.
     pub fn elevations(&self, first_run: u64, out: &mut [f64], pulse: Pulse) -> Result<()> {
         let run_size = self.track_of.len() * self.stations;
-        let work = WIDTH * self.transform.size() * self.tracks;
+        let work = RUNS * self.transform.size() * self.tracks;
         // Long enough for all threads to have work, short enough to stop within a second.
         let threads = threads();
         let blocks = threads.current_num_threads() * (PATIENCE / work).max(1);
-        for (wave, runs) in out.chunks_mut(blocks * WIDTH * run_size).enumerate() {
+        for (wave, runs) in out.chunks_mut(blocks * RUNS * run_size).enumerate() {
             pulse()?;
             let fill = |block: &mut Block, (i, runs): (usize, &mut [f64])| {
-                self.fill_from(first_run.wrapping_add(((wave * blocks + i) * WIDTH) as u64), block);
+                self.fill_from(first_run.wrapping_add(((wave * blocks + i) * RUNS) as u64), block);
                 for (lane, run) in runs.chunks_mut(run_size).enumerate() {
                     for (track, out) in self.track_of.iter().zip(run.chunks_mut(self.stations)) {
                         for (z, row) in out.iter_mut().zip(block.track(*track)) {
@@ -199,7 +212,7 @@ impl Generator {
                     }
                 }
             };
-            let runs = runs.par_chunks_mut(WIDTH * run_size).enumerate();
+            let runs = runs.par_chunks_mut(RUNS * run_size).enumerate();
             threads.install(|| runs.for_each_init(|| self.block(), fill));
         }
         Ok(())
@@ -208,6 +221,44 @@ impl Generator {
     /// Makes the profiles of eight consecutive runs.
     fn fill_from(&self, first: u64, block: &mut Block) {
         self.fill(std::array::from_fn(|lane| first.wrapping_add(lane as u64)), block);
+    }
+}
+
+/// Consecutive runs as a source of elevations.
+#[derive(Clone, Copy, Debug)]
+pub struct Runs<'a> {
+    /// What makes them.
+    pub generator: &'a Generator,
+    /// The first one's number.
+    pub first: u64,
+}
+
+/// Makes a block of runs, then lets it be read.
+#[derive(Debug)]
+pub struct RunsReader<'a> {
+    runs: Runs<'a>,
+    block: Block,
+}
+
+impl Source for Runs<'_> {
+    type Reader<'a>
+        = RunsReader<'a>
+    where
+        Self: 'a;
+
+    fn reader(&self) -> RunsReader<'_> {
+        RunsReader { runs: *self, block: self.generator.block() }
+    }
+}
+
+impl Reader for RunsReader<'_> {
+    fn open(&mut self, first: usize, _count: usize) {
+        self.runs.generator.fill_from(self.runs.first.wrapping_add(first as u64), &mut self.block);
+    }
+
+    fn read(&mut self, track: usize, first: usize, out: &mut [Row]) {
+        let track = self.block.track(self.runs.generator.track_of[track]);
+        out.copy_from_slice(&track[first..][..out.len()]);
     }
 }
 
@@ -245,7 +296,7 @@ fn synthesize(generator: &Generator, streams: &Streams, block: &mut Block) {
 #[inline(always)]
 fn synthesize_here(generator: &Generator, streams: &Streams, block: &mut Block) {
     for track in &mut block.tracks {
-        track.fill([[0.0; WIDTH]; 2]);
+        track.fill([[0.0; RUNS]; 2]);
     }
     let mut triangles = generator.triangles.chunks_exact(generator.tracks * (generator.tracks + 1) / 2);
     for lines in generator.lines.chunks(LINES) {
@@ -258,7 +309,7 @@ fn synthesize_here(generator: &Generator, streams: &Streams, block: &mut Block) 
             let [cos, sin] = line.turn;
             let mut entries = triangle.iter();
             for (t, terms) in block.tracks.iter_mut().enumerate() {
-                let mut wave = [[0.0; WIDTH]; 2];
+                let mut wave = [[0.0; RUNS]; 2];
                 for (noise, factor) in block.noise[..=t].iter().zip(&mut entries) {
                     add(&mut wave[0], &noise[0][i], *factor);
                     add(&mut wave[1], &noise[1][i], *factor);
@@ -279,7 +330,7 @@ fn synthesize_here(generator: &Generator, streams: &Streams, block: &mut Block) 
 
 #[inline(always)]
 fn add(sum: &mut Row, term: &Row, factor: f64) {
-    for lane in 0..WIDTH {
+    for lane in 0..RUNS {
         sum[lane] += factor * term[lane];
     }
 }

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use runway_modal::coherence::Coherency;
+use runway_modal::ensemble::RUNS;
 use runway_modal::error::Error;
-use runway_modal::random::WIDTH;
 use runway_modal::roughness::{Generator, Stretch};
 use runway_modal::spectrum::{PowerLaw, Spectrum};
 
@@ -15,7 +15,7 @@ fn class_a(waviness: f64) -> Spectrum {
     Spectrum::power_law(law).unwrap()
 }
 
-fn consecutive(first: u64) -> [u64; WIDTH] {
+fn consecutive(first: u64) -> [u64; RUNS] {
     std::array::from_fn(|lane| first + lane as u64)
 }
 
@@ -48,7 +48,9 @@ fn table_of_a_power_law() {
     for i in 0..=200 {
         let n = 0.006 * f64::from(i);
         assert!((table.density(n) - law.density(n)).abs() <= 1e-14 * law.density(n));
-        assert!((table.variance(n, 2.0 * n) - law.variance(n, 2.0 * n)).abs() <= 1e-13 * law.variance(0.0, 9.0));
+        assert!(
+            (table.variance(n, 2.0 * n) - law.variance(n, 2.0 * n)).abs() <= 1e-13 * law.variance(0.0, 9.0)
+        );
     }
 }
 
@@ -118,7 +120,7 @@ fn variance_of_a_station() {
     for (length, spacing) in [(20.0, 0.5), (200.0, 0.1), (333.0, 0.37)] {
         let generator = Generator::new(&class_a(2.0), Stretch { length, spacing }, &[0.0], 3).unwrap();
         let (mut block, mut sum, runs) = (generator.block(), 0.0, 4000);
-        for first in (0..runs).step_by(WIDTH) {
+        for first in (0..runs).step_by(RUNS) {
             generator.fill(consecutive(first), &mut block);
             sum += block.track(0)[7].iter().map(|z| z * z).sum::<f64>();
         }

@@ -12,7 +12,7 @@ from .profile import Profile
 from .profile_csv import read_csv, write_csv
 from .profile_erd import read_erd, write_erd
 from .response import Extremes, Response
-from .roughness import Roughness
+from .roughness import Roughness, monte_carlo
 from .simulate import simulate
 from .units import knots
 
@@ -31,6 +31,7 @@ __all__ = [
     "equivalent_stiffness",
     "f4e",
     "knots",
+    "monte_carlo",
     "read_csv",
     "read_erd",
     "simulate",

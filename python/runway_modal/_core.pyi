@@ -13,6 +13,7 @@ __all__ = [
     "Profile",
     "Run",
     "Spectrum",
+    "monte_carlo",
     "series",
     "simulate_many",
 ]
@@ -20,6 +21,15 @@ __all__ = [
 class InputError(ValueError): ...
 class NumericalError(ArithmeticError): ...
 
+def monte_carlo(
+    modes: Modes,
+    generator: Generator,
+    first_run: int,
+    runs: int,
+    speed: list[float],
+    stations: NDArray[np.float64],
+    damping_input: bool,
+) -> list[NDArray[np.float64]]: ...
 def series(strut: float, tire: float) -> float: ...
 def simulate_many(
     modes: list[Modes],

@@ -1,4 +1,4 @@
-"""Random roughness: spectra, and the profiles they stand for."""
+"""Random roughness: spectra, the profiles they stand for, and rolling over very many of these."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from . import _core
 from ._core import InputError
 from ._input import array, finite, integer, number, read_only
+from .ensemble import Ensemble
 from .modes import Modes
 from .profile import Profile
 from .units import convert_length, length_unit
@@ -397,6 +398,109 @@ class Roughness:
             f"<Roughness: {low:.4g} to {high:.4g} cycles/length, "
             f"standard deviation {self.variance**0.5:.4g}>"
         )
+
+
+def monte_carlo(
+    modes: Modes,
+    roughness: Roughness,
+    *,
+    length: float,
+    spacing: float,
+    speed: ArrayLike,
+    runs: int,
+    seed: int,
+    first_run: int = 0,
+    tracks: Literal["one", "isotropic"] = "one",
+    damping_input: bool = False,
+) -> Ensemble:
+    """
+    Roll an aircraft over random profiles: as `simulate_many`, without the profiles in memory.
+
+    Profiles are made, run over and forgotten block by block: memory does not grow with the number
+    of runs but for the results. A run is the same to the last bit in any batch, on any number of
+    threads: a million runs can be split as one likes, by `first_run`.
+
+    Parameters
+    ----------
+    modes : Modes
+        From `Aircraft.modes`, `Modes` or `single_dof`.
+    roughness : Roughness
+        The spectrum.
+    length, spacing : float
+        Of the profiles, as for `Roughness.elevations` [length].
+    speed : float or array_like, shape (runs,)
+        Ground speed, > 0; one for all runs or one a run [length/time].
+    runs : int
+        How many, > 0.
+    seed : int
+        Which of the 2⁶⁴ sets of runs.
+    first_run : int
+        Number of the first run.
+    tracks : {"one", "isotropic"}
+        One track for all gears, or each gear's own on an isotropic surface.
+    damping_input : bool
+        As for `simulate`.
+
+    Returns
+    -------
+    Ensemble
+        A row a run. `Roughness.profiles` gives the profiles of any of them back.
+
+    Raises
+    ------
+    InputError
+        If an argument is of the wrong kind or out of range.
+    NumericalError
+        If a result leaves the range of double precision.
+
+    Notes
+    -----
+    Statistics run from the start, at rest in equilibrium, until the last gear passes the last
+    station: they hold the motion's growth from rest, which lasts about 1/(ζω) of the slowest
+    mode. For stationary values the length is to be many times speed/(ζω).
+
+    Examples
+    --------
+    >>> import runway_modal as rm
+    >>> surface = rm.Roughness.iso8608("B", unit="in")
+    >>> runway = dict(length=12000.0, spacing=10.0, seed=1980)
+    >>> modes = rm.f4e().modes(0.05)
+    >>> ensemble = rm.monte_carlo(modes, surface, speed=rm.knots(60), runs=100, **runway)
+    >>> worst = int(ensemble.max_load[:, 0].argmax())
+    >>> response = rm.simulate(modes, surface.profiles(modes, worst, **runway), rm.knots(60))
+    >>> again = response.extremes().max_load[0] / ensemble.max_load[worst, 0]
+    >>> bool(again >= 1 - 1e-12)
+    True
+    """
+    if not isinstance(roughness, Roughness):
+        raise InputError(f"roughness = {roughness!r} is not a Roughness")
+    if not isinstance(damping_input, bool | np.bool_):
+        raise InputError(f"damping_input = {damping_input!r} is not True or False")
+    runs = integer("runs", runs, 1)
+    first_run = integer("first_run", first_run, 0, _NUMBERS - runs + 1)
+    y = lateral_positions(modes, tracks)
+    generator = roughness._generator(length, spacing, seed, y)
+    given = np.asarray(speed)
+    speeds = array("speed", given.reshape(1) if given.ndim == 0 else given)
+    stations = modes.aircraft.stations
+    points = np.array(list(stations.values()))
+    results = _core.monte_carlo(
+        modes._core, generator, first_run, runs, speeds.tolist(), points, bool(damping_input)
+    )
+    max_load, min_load, rms_load, max_acc, rms_acc = (read_only(result) for result in results)
+    return Ensemble(
+        gear_names=modes.aircraft.gear_names,
+        setup={},
+        run=np.arange(first_run, first_run + runs),
+        speed=np.broadcast_to(speeds, runs),
+        static_load=np.broadcast_to(modes.aircraft.static_load, max_load.shape),
+        max_load=max_load,
+        min_load=min_load,
+        rms_load=rms_load,
+        max_acceleration={name: max_acc[:, i] for i, name in enumerate(stations)},
+        rms_acceleration={name: rms_acc[:, i] for i, name in enumerate(stations)},
+        failures={},
+    )
 
 
 def _power_law(

@@ -66,11 +66,20 @@ impl Coherency {
     /// Appends the lower triangle, row by row, of L with L Lᵀ = coherencies of the tracks at `y`.
     pub fn factor(&self, n: f64, y: &[f64], triangles: &mut Vec<f64>) {
         let start = triangles.len();
+        // Aircraft are symmetrical: few distances differ, and each costs a Bessel function.
+        let mut known: Vec<(f64, f64)> = vec![];
+        let mut coherency = |distance: f64| {
+            if let Some(&(_, found)) = known.iter().find(|(other, _)| *other == distance) {
+                return found;
+            }
+            known.push((distance, if distance == 0.0 { 1.0 } else { self.at(n, distance) }));
+            known[known.len() - 1].1
+        };
         let at = |i: usize, j: usize| start + i * (i + 1) / 2 + j;
         for i in 0..y.len() {
             for j in 0..=i {
-                let coherency = if i == j { 1.0 } else { self.at(n, (y[i] - y[j]).abs()) };
-                let rest = (0..j).fold(coherency, |rest, k| rest - triangles[at(i, k)] * triangles[at(j, k)]);
+                let explained = |rest: f64, k: usize| rest - triangles[at(i, k)] * triangles[at(j, k)];
+                let rest = (0..j).fold(coherency((y[i] - y[j]).abs()), explained);
                 let entry = if i == j {
                     if rest > PIVOT { rest.sqrt() } else { 0.0 }
                 } else {

@@ -487,7 +487,10 @@ fn monte_carlo<'py>(
     let found = detached(py, |pulse| {
         let found = ensemble::simulate(&plan, runs, &source, pulse)?;
         // Elevations are finite: the motion left the range of double precision.
-        found.failed.first().map_or(Ok(()), |&run| Err(Error::RunOverflow { run: first_run as usize + run }))?;
+        found
+            .failed
+            .first()
+            .map_or(Ok(()), |&run| Err(Error::RunOverflow { run: first_run as usize + run }))?;
         Ok(found)
     })?;
     columns(py, &plan, runs, found)

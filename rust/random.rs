@@ -95,8 +95,8 @@ fn uniform(word: u64) -> f64 {
 #[inline(always)]
 fn minus_two_log(u: f64) -> f64 {
     // u = m 2⁻ᵏ with √½ ≤ m < √2 and 0 ≤ k ≤ 52, so 64 − k is positive.
-    let shifted = u.to_bits() - (SQRT_2 / 2.0).to_bits() + (64 << 52);
-    let m = f64::from_bits(u.to_bits() - (shifted & !FRACTION) + (64 << 52));
+    let shifted = u.to_bits() + (64 << 52) - (SQRT_2 / 2.0).to_bits();
+    let m = f64::from_bits(u.to_bits() + (64 << 52) - (shifted & !FRACTION));
     let k = 64.0 - exact(shifted >> 52);
     // ln m = 2 artanh s.
     let s = (m - 1.0) / (m + 1.0);
@@ -203,15 +203,15 @@ mod tests {
     /// All four quadrants: the directions are spread evenly over the circle.
     #[test]
     fn directions() {
-        let count = 1 << 12;
+        let count = 1_i64 << 12;
         let mut octants = [0; 8];
         for turn in 0..count {
             let word = (turn << 62) | ((turn >> 2) << 42);
             let [cos, sin] = direction(word);
             assert!((cos * cos + sin * sin - 1.0).abs() < 4.0 * f64::EPSILON);
             let octant = 4.0 * (libm::atan2(sin, cos) / std::f64::consts::PI + 1.0);
-            octants[octant as usize % 8] += 1;
+            octants[octant as usize % 8] += 1_i64;
         }
-        assert!(octants.iter().all(|found| (found - count as i64 / 8).abs() <= 2), "{octants:?}");
+        assert!(octants.iter().all(|found| (found - count / 8).abs() <= 2), "{octants:?}");
     }
 }

@@ -29,8 +29,8 @@ use crate::watch::Pulse;
 /// Longest waves by which the period exceeds the length.
 const MARGIN: f64 = 2.0;
 
-/// Spacings in a period: beyond, one block of runs would fill the memory.
-const MOST_SPACINGS: f64 = 134_217_728.0; // 2²⁷
+/// Spacings in a period: half a gigabyte a track for a block of runs, and seconds to make it.
+const MOST_SPACINGS: f64 = 8_388_608.0; // 2²³
 
 /// Wavinesses of isotropic surfaces.
 const MOST_WAVINESS: f64 = 10.0;
@@ -108,7 +108,7 @@ impl Generator {
         let segments = (length / spacing - 1e-9).ceil().max(1.0);
         let period = segments + (MARGIN / (longest * spacing)).ceil();
         if period > MOST_SPACINGS {
-            let why = "length and longest wave of the band hold more than 2^27 spacings";
+            let why = "length and longest wave of the band hold more than 2^23 spacings";
             return Err(Error::OutOfRange { place: "spacing".into(), value: spacing, why });
         }
         let (distinct, track_of) = distinct(y)?;
@@ -287,7 +287,7 @@ fn distinct(y: &[f64]) -> Result<(Vec<f64>, Vec<usize>)> {
     Ok((distinct, track_of))
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn synthesize(generator: &Generator, streams: &Streams, block: &mut Block) {
     synthesize_here(generator, streams, block);
 }

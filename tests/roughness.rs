@@ -111,15 +111,15 @@ fn every_machine() {
             bits = (bits ^ value.to_bits()).wrapping_mul(0x0000_0100_0000_01b3);
         }
     }
-    assert_eq!(bits, 0, "{bits:#018x}");
+    assert_eq!(bits, 0x42f3_61b4_fb50_a787, "{bits:#018x}");
 }
 
 /// A finer grid and a longer period: the spectrum alone sets the variance of a station.
 #[test]
 fn variance_of_a_station() {
-    for (length, spacing) in [(20.0, 0.5), (200.0, 0.1), (333.0, 0.37)] {
+    for (length, spacing) in [(20.0, 0.5), (50.0, 0.1), (111.0, 0.37)] {
         let generator = Generator::new(&class_a(2.0), Stretch { length, spacing }, &[0.0], 3).unwrap();
-        let (mut block, mut sum, runs) = (generator.block(), 0.0, 4000);
+        let (mut block, mut sum, runs) = (generator.block(), 0.0, 800);
         for first in (0..runs).step_by(RUNS) {
             generator.fill(consecutive(first), &mut block);
             sum += block.track(0)[7].iter().map(|z| z * z).sum::<f64>();

@@ -6,10 +6,12 @@
 
 use std::f64::consts::TAU;
 
-use crate::ensemble::{RUNS, Row};
+use crate::ensemble::Row;
 
 /// Real and imaginary parts of one term, or two neighbouring stations.
 pub(crate) type Pair = [Row; 2];
+
+pub(crate) const NONE: Pair = [Row::ZERO; 2];
 
 /// Largest odd part of a quick size: threes and fives cost more than fours.
 const MOST_ODD: usize = 27;
@@ -112,7 +114,7 @@ impl Transform {
         let stride = x.len() / R;
         let step = 2 * self.size / x.len();
         for j in 0..stride {
-            let mut terms = [[[0.0; RUNS]; 2]; R];
+            let mut terms = [NONE; R];
             terms[0] = x[j];
             let first = self.turns[j * step];
             let mut turn = first;
@@ -139,46 +141,32 @@ fn left_over(mut size: usize) -> usize {
 }
 
 #[inline(always)]
-fn zip(a: Pair, b: Pair, rule: impl Fn(f64, f64) -> f64) -> Pair {
-    let mut out = [[0.0; RUNS]; 2];
-    for part in 0..2 {
-        for lane in 0..RUNS {
-            out[part][lane] = rule(a[part][lane], b[part][lane]);
-        }
-    }
-    out
-}
-
-#[inline(always)]
 fn plus(a: Pair, b: Pair) -> Pair {
-    zip(a, b, |a, b| a + b)
+    [a[0] + b[0], a[1] + b[1]]
 }
 
 #[inline(always)]
 fn minus(a: Pair, b: Pair) -> Pair {
-    zip(a, b, |a, b| a - b)
+    [a[0] - b[0], a[1] - b[1]]
 }
 
 #[inline(always)]
 fn scaled(a: Pair, factor: f64) -> Pair {
-    zip(a, a, |a, _| factor * a)
+    let factor = Row::all(factor);
+    [factor * a[0], factor * a[1]]
 }
 
 /// Times i.
 #[inline(always)]
 fn turned([re, im]: Pair) -> Pair {
-    [im.map(|part| -part), re]
+    [Row::ZERO - im, re]
 }
 
 /// Times a complex number, the same in every lane.
 #[inline(always)]
-pub(crate) fn times([re, im]: Pair, [c, s]: [f64; 2]) -> Pair {
-    let (mut real, mut imaginary) = ([0.0; RUNS], [0.0; RUNS]);
-    for lane in 0..RUNS {
-        real[lane] = re[lane] * c - im[lane] * s;
-        imaginary[lane] = re[lane] * s + im[lane] * c;
-    }
-    [real, imaginary]
+pub(crate) fn times([re, im]: Pair, turn: [f64; 2]) -> Pair {
+    let [cos, sin] = turn.map(Row::all);
+    [re * cos - im * sin, re * sin + im * cos]
 }
 
 /// The transform of a few terms.
@@ -235,6 +223,7 @@ impl Butterfly for [Pair; 5] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ensemble::RUNS;
 
     /// Against the sum as it is written, for every radix and mixtures of them.
     #[test]
@@ -245,7 +234,7 @@ mod tests {
                 let value = |shift: usize| ((31 * k + 7 * lane + shift) % 17) as f64 - 8.0;
                 [value(0), value(5)]
             };
-            let mut x = vec![[[0.0; RUNS]; 2]; size];
+            let mut x = vec![NONE; size];
             for (k, lane) in (0..size).flat_map(|k| (0..RUNS).map(move |lane| (k, lane))) {
                 let [re, im] = term(k, lane);
                 x[transform.place(k) as usize][0][lane] = re;

@@ -60,7 +60,8 @@ impl Streams {
     /// Standard normal deviates of some lines of a track. Drawn in three loops, each with few
     /// enough steps a number for many numbers to be under way at once.
     #[inline(always)]
-    pub fn normals(&self, lines: &[u32; LINES], track: u32, out: &mut Deviates) {
+    #[must_use]
+    pub fn normals(&self, lines: &[u32; LINES], track: u32) -> Deviates {
         let mut line = [0; MANY];
         for i in 0..MANY {
             line[i] = u64::from(lines[i / RUNS]);
@@ -76,12 +77,13 @@ impl Streams {
         for i in 0..MANY {
             radius[i] = minus_two_log(uniform(words[0][i])).sqrt();
         }
-        let [first, second] = out.each_mut().map(|rows| rows.as_flattened_mut());
+        let mut parts = [[0.0; MANY]; 2];
         for i in 0..MANY {
             let [cos, sin] = direction(words[1][i]);
-            first[i] = radius[i] * cos;
-            second[i] = radius[i] * sin;
+            parts[0][i] = radius[i] * cos;
+            parts[1][i] = radius[i] * sin;
         }
+        parts.map(|part| std::array::from_fn(|line| Row(std::array::from_fn(|run| part[line * RUNS + run]))))
     }
 }
 
@@ -203,15 +205,15 @@ mod tests {
     /// All four quadrants: the directions are spread evenly over the circle.
     #[test]
     fn directions() {
-        let count = 1_i64 << 12;
-        let mut octants = [0; 8];
+        let count = 1_u64 << 12;
+        let mut octants = [0_u64; 8];
         for turn in 0..count {
             let word = (turn << 62) | ((turn >> 2) << 42);
             let [cos, sin] = direction(word);
             assert!((cos * cos + sin * sin - 1.0).abs() < 4.0 * f64::EPSILON);
             let octant = 4.0 * (libm::atan2(sin, cos) / std::f64::consts::PI + 1.0);
-            octants[octant as usize % 8] += 1_i64;
+            octants[octant as usize % 8] += 1;
         }
-        assert!(octants.iter().all(|found| (found - count / 8).abs() <= 2), "{octants:?}");
+        assert!(octants.iter().all(|found| found.abs_diff(count / 8) <= 2), "{octants:?}");
     }
 }

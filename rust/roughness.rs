@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use crate::coherence::Coherency;
 use crate::ensemble::{RUNS, Reader, Row, Source};
 use crate::error::{Error, Result, finite, positive};
-use crate::fourier::{Pair, Transform, times};
+use crate::fourier::{NONE, Pair, Transform, times};
 use crate::random::{Deviates, LINES, Streams};
 use crate::spectrum::Spectrum;
 use crate::watch::Pulse;
@@ -177,11 +177,10 @@ impl Generator {
     /// Room for one block.
     #[must_use]
     pub fn block(&self) -> Block {
-        let none = [[0.0; RUNS]; 2];
         let rows = self.transform.size();
         Block {
-            tracks: vec![vec![none; rows]; self.tracks],
-            noise: vec![[[[0.0; RUNS]; LINES]; 2]; self.tracks],
+            tracks: vec![vec![NONE; rows]; self.tracks],
+            noise: vec![[[Row::ZERO; LINES]; 2]; self.tracks],
         }
     }
 
@@ -296,42 +295,33 @@ fn synthesize(generator: &Generator, streams: &Streams, block: &mut Block) {
 #[inline(always)]
 fn synthesize_here(generator: &Generator, streams: &Streams, block: &mut Block) {
     for track in &mut block.tracks {
-        track.fill([[0.0; RUNS]; 2]);
+        track.fill(NONE);
     }
     let mut triangles = generator.triangles.chunks_exact(generator.tracks * (generator.tracks + 1) / 2);
     for lines in generator.lines.chunks(LINES) {
         let numbers = std::array::from_fn(|i| lines.get(i).map_or(0, |line| line.number));
         for (t, noise) in block.noise.iter_mut().enumerate() {
-            streams.normals(&numbers, t as u32, noise);
+            *noise = streams.normals(&numbers, t as u32);
         }
         for (i, (line, triangle)) in lines.iter().zip(&mut triangles).enumerate() {
             let [here, there] = line.places.map(|place| place as usize);
             let [cos, sin] = line.turn;
             let mut entries = triangle.iter();
             for (t, terms) in block.tracks.iter_mut().enumerate() {
-                let mut wave = [[0.0; RUNS]; 2];
+                let mut wave = NONE;
                 for (noise, factor) in block.noise[..=t].iter().zip(&mut entries) {
-                    add(&mut wave[0], &noise[0][i], *factor);
-                    add(&mut wave[1], &noise[1][i], *factor);
+                    wave[0] += Row::all(*factor) * noise[0][i];
+                    wave[1] += Row::all(*factor) * noise[1][i];
                 }
                 let [re, im] = times(wave, [1.0 - sin, cos]);
-                add(&mut terms[here][0], &re, 1.0);
-                add(&mut terms[here][1], &im, 1.0);
+                terms[here] = [terms[here][0] + re, terms[here][1] + im];
                 let [re, im] = times(wave, [1.0 + sin, -cos]);
-                add(&mut terms[there][0], &re, 1.0);
-                add(&mut terms[there][1], &im, -1.0);
+                terms[there] = [terms[there][0] + re, terms[there][1] - im];
             }
         }
     }
     for terms in &mut block.tracks {
         generator.transform.sum(terms);
-    }
-}
-
-#[inline(always)]
-fn add(sum: &mut Row, term: &Row, factor: f64) {
-    for lane in 0..RUNS {
-        sum[lane] += factor * term[lane];
     }
 }
 

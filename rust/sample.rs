@@ -47,8 +47,6 @@ impl Rows<'_> {
     }
 }
 
-/// One row of so many columns. All lanes are written where there is room, in one store: what an
-/// idle lane writes, the next row overwrites.
 #[inline(always)]
 fn write(lanes: Lanes, rows: &mut [f64], at: usize, width: usize) {
     if let Some(out) = rows.get_mut(at..at + LANES) {
@@ -64,7 +62,7 @@ fn write_last(lanes: &Lanes, rows: &mut [f64], at: usize, width: usize) {
     rows[at..at + width].copy_from_slice(&lanes.0[..width]);
 }
 
-/// Rows of `N` columns, where there is room for idle lanes.
+/// Rows of `N` columns, one store each: what an idle lane writes, the next row overwrites.
 struct Wide<'a, const N: usize> {
     omega: Lanes,
     rest: Lanes,

@@ -93,7 +93,7 @@ fn any_company() {
     generator.fill([5, 4, 3, u64::MAX, 734, 731, 731, 0], &mut other);
     for track in 0..2 {
         for (row, other) in block.track(track).iter().zip(other.track(track)) {
-            assert_eq!([row[3], row[0], row[0]], other[4..7]);
+            assert_eq!([row[3], row[0], row[0]], other.0[4..7]);
             assert_ne!(row[0], other[7]);
         }
     }
@@ -107,7 +107,7 @@ fn every_machine() {
     generator.fill(consecutive(731), &mut block);
     let mut bits = 0_u64;
     for row in [0, 1].into_iter().flat_map(|track| &block.track(track)[..generator.stations()]) {
-        for value in row {
+        for value in row.0 {
             bits = (bits ^ value.to_bits()).wrapping_mul(0x0000_0100_0000_01b3);
         }
     }
@@ -122,7 +122,7 @@ fn variance_of_a_station() {
         let (mut block, mut sum, runs) = (generator.block(), 0.0, 800);
         for first in (0..runs).step_by(RUNS) {
             generator.fill(consecutive(first), &mut block);
-            sum += block.track(0)[7].iter().map(|z| z * z).sum::<f64>();
+            sum += block.track(0)[7].0.iter().map(|z| z * z).sum::<f64>();
         }
         let share = sum / runs as f64 / class_a(2.0).variance(0.0, 9.0);
         // Four standard errors of the variance of so many normal deviates.

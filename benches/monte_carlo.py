@@ -151,7 +151,10 @@ def flatness(cases: list[tuple[int, int]], rounds: int) -> None:
             synthesis=lambda grid=grid: SURFACE.elevations(**grid, y=LATERAL),
         )
         each = [1e9 * np.min(turns[name]) / (runs * stations) for name in ("synthesis", "whole")]
-        line(f"{runs} runs of {stations} stations: synthesis, whole", "{:.1f}, {:.1f} ns".format(*each))
+        line(
+            f"{runs} runs of {stations} stations: synthesis, whole",
+            "{:.1f}, {:.1f} ns".format(*each),
+        )
 
 
 if __name__ == "__main__":

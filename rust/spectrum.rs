@@ -14,13 +14,13 @@ pub struct Spectrum {
 /// G(n) = coefficient · (n ÷ reference)^−waviness for low ≤ n ≤ high.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLaw {
-    /// G at the reference frequency [length³].
+    /// G at the reference frequency, length³.
     pub coefficient: f64,
     /// w.
     pub waviness: f64,
-    /// Reference frequency [cycles/length].
+    /// Reference frequency, cycles per length.
     pub reference: f64,
-    /// The band's ends [cycles/length].
+    /// The ends of the band, cycles per length.
     pub band: (f64, f64),
 }
 

@@ -280,9 +280,7 @@ def test_monte_carlo_is_simulate_many_of_its_profiles() -> None:
 def same_numbers(one: rm.Ensemble, other: rm.Ensemble) -> bool:
     loads = ("max_load", "min_load", "rms_load")
     accelerations = ("max_acceleration", "rms_acceleration")
-    return all(
-        np.array_equal(getattr(one, name), getattr(other, name)) for name in loads
-    ) and all(
+    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in loads) and all(
         np.array_equal(values, getattr(other, name)[station])
         for name in accelerations
         for station, values in getattr(one, name).items()
@@ -295,9 +293,7 @@ def test_a_speed_a_run() -> None:
     speeds = np.linspace(300.0, 900.0, 11)
     ensemble = rm.monte_carlo(modes, surface, **grid, speed=speeds, runs=11)
     for run in (0, 4, 10):
-        alone = rm.monte_carlo(
-            modes, surface, **grid, speed=speeds[run], runs=1, first_run=run
-        )
+        alone = rm.monte_carlo(modes, surface, **grid, speed=speeds[run], runs=1, first_run=run)
         assert np.array_equal(alone.rms_load[0], ensemble.rms_load[run])
 
 

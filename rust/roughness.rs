@@ -203,10 +203,14 @@ impl Generator {
             pulse()?;
             let fill = |block: &mut Block, (i, runs): (usize, &mut [f64])| {
                 self.fill_from(first_run.wrapping_add(((wave * blocks + i) * RUNS) as u64), block);
-                for (lane, run) in runs.chunks_mut(run_size).enumerate() {
-                    for (track, out) in self.track_of.iter().zip(run.chunks_mut(self.stations)) {
-                        for (z, row) in out.iter_mut().zip(block.track(*track)) {
-                            *z = row[lane];
+                for (t, &track) in self.track_of.iter().enumerate() {
+                    let rows = block.track(track)[..self.stations].chunks(TILE);
+                    for (tile, rows) in rows.enumerate() {
+                        for (lane, run) in runs.chunks_mut(run_size).enumerate() {
+                            let out = &mut run[t * self.stations + tile * TILE..][..rows.len()];
+                            for (z, row) in out.iter_mut().zip(rows) {
+                                *z = row[lane];
+                            }
                         }
                     }
                 }
@@ -265,6 +269,9 @@ impl Reader for RunsReader<'_> {
 fn threads() -> rayon::ThreadPool {
     rayon::ThreadPoolBuilder::new().build().expect("threads")
 }
+
+/// Stations turned from side by side to one after another at a time: they stay in the cache.
+const TILE: usize = 64;
 
 /// Stations times runs between two questions: some tens of milliseconds.
 const PATIENCE: usize = 1 << 22;

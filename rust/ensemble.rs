@@ -351,6 +351,10 @@ fn march_over(
     runs: Range<usize>,
     found: &mut Statistics,
 ) -> Result<()> {
+    // Asked before too: a source that makes its elevations takes time over it.
+    if stop.load(Ordering::Relaxed) {
+        return Err(Error::Interrupted);
+    }
     reader.open(runs.start, runs.len());
     march.start(reader);
     let periods = march.layout.periods;

@@ -196,7 +196,8 @@ class Roughness:
         frequencies, densities = array("n", n), array("psd", psd)
         rough = cls.__new__(cls)
         rough._core = _core.Spectrum.table(frequencies, densities)
-        rough._rebuild = (Roughness.from_table, (frequencies.copy(), densities.copy()))
+        points = (tuple(frequencies.tolist()), tuple(densities.tolist()))
+        rough._rebuild = (Roughness.from_table, points)
         return rough
 
     @property
@@ -488,10 +489,22 @@ def monte_carlo(
         modes._core, generator, first_run, runs, speeds.tolist(), points, bool(damping_input)
     )
     max_load, min_load, rms_load, max_acc, rms_acc = (read_only(result) for result in results)
+    numbers = (modes.omega, modes.damping_ratio, modes.shapes, modes.aircraft.static_load)
+    setup = {
+        "gears": tuple((gear.name, gear.x, gear.y) for gear in modes.aircraft.gears),
+        "stations": tuple(stations.items()),
+        "modes": tuple(tuple(values.ravel().tolist()) for values in numbers),
+        "roughness": roughness._rebuild[1],
+        "length": float(length),
+        "spacing": float(spacing),
+        "seed": int(seed),
+        "tracks": tracks,
+        "damping_input": bool(damping_input),
+    }
     return Ensemble(
         gear_names=modes.aircraft.gear_names,
-        setup={},
-        run=np.arange(first_run, first_run + runs),
+        setup=setup,
+        run=read_only(np.arange(first_run, first_run + runs)),
         speed=np.broadcast_to(speeds, runs),
         static_load=np.broadcast_to(modes.aircraft.static_load, max_load.shape),
         max_load=max_load,

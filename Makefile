@@ -71,12 +71,12 @@ test-python: $(DEV) ## examples in docstrings, then the tests
 
 bench: $(DEV) ## speed and memory, measured against peers; minutes
 	cargo bench --locked
-	for script in long_profile one_mat memory ensemble; do $(PY) benches/$$script.py; done
+	for script in long_profile one_mat memory ensemble monte_carlo; do $(PY) benches/$$script.py; done
 
 bench-smoke: $(DEV) ## the same at tiny sizes: does it run?
 	cargo bench --quiet --locked --no-run
 	cargo bench --quiet --locked -- --test
-	for script in long_profile one_mat memory ensemble; do $(PY) -W error benches/$$script.py --quick; done
+	for script in long_profile one_mat memory ensemble monte_carlo; do $(PY) -W error benches/$$script.py --quick; done
 
 accuracy: $(DEV) ## table of errors against 40-digit arithmetic
 	$(PY) tests/accuracy.py

@@ -478,7 +478,10 @@ def monte_carlo(
     if not isinstance(damping_input, bool | np.bool_):
         raise InputError(f"damping_input = {damping_input!r} is not True or False")
     runs = integer("runs", runs, 1)
-    first_run = integer("first_run", first_run, 0, _NUMBERS - runs + 1)
+    # Ensembles number their runs in 63 bits.
+    first_run = integer("first_run", first_run, 0, _NUMBERS // 2 - runs + 1)
+    numbers_of_runs = np.arange(first_run, first_run + runs, dtype=np.int64)
+    numbers_of_runs.flags.writeable = False
     y = lateral_positions(modes, tracks)
     generator = roughness._generator(length, spacing, seed, y)
     given = np.asarray(speed)
@@ -504,7 +507,7 @@ def monte_carlo(
     return Ensemble(
         gear_names=modes.aircraft.gear_names,
         setup=setup,
-        run=read_only(np.arange(first_run, first_run + runs)),
+        run=numbers_of_runs,
         speed=np.broadcast_to(speeds, runs),
         static_load=np.broadcast_to(modes.aircraft.static_load, max_load.shape),
         max_load=max_load,

@@ -40,6 +40,12 @@
 //! | `parallel` | independent pieces of work on all threads |
 //! | [`sweep`] | one runway at many speeds |
 //! | [`worst`] | the worst speed of a range, with a bound on all others |
+//! | [`random`] | normal deviates, a pure function of seed, run, line and track |
+//! | `fourier` | inverse transforms of eight runs side by side |
+//! | [`spectrum`] | one-sided spectra: piecewise power laws in a band |
+//! | [`coherence`] | how alike parallel tracks over an isotropic surface are |
+//! | [`ensemble`] | many equally spaced profiles at once: statistics without a history |
+//! | [`roughness`] | spectrum → random profiles, block by block |
 //! | `python` | the only file that names Python, behind the feature `python` |
 //!
 //! ```
@@ -67,9 +73,12 @@
 //! ```
 
 pub mod aircraft;
+pub mod coherence;
 pub mod distance;
+pub mod ensemble;
 pub mod error;
 pub mod extremes;
+mod fourier;
 mod knots;
 pub mod lanes;
 mod march;
@@ -79,9 +88,12 @@ mod path;
 pub mod profile;
 #[cfg(feature = "python")]
 mod python;
+pub mod random;
 pub mod readout;
+pub mod roughness;
 pub mod run;
 pub mod sample;
+pub mod spectrum;
 pub mod sweep;
 pub mod transition;
 pub mod watch;

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 use numpy::ndarray::{Array3, ArrayView1};
 use numpy::{
-    PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2,
+    PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyReadwriteArray1,
+    PyReadwriteArray2, PyReadwriteArray3,
 };
 use pyo3::create_exception;
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
@@ -15,9 +16,11 @@ use crate::aircraft::{self, Inertia};
 use crate::error::{Error, Result};
 use crate::extremes::Extreme;
 use crate::readout::Quantity;
+use crate::roughness::Stretch;
+use crate::spectrum::PowerLaw;
 use crate::watch::Pulse;
 use crate::worst::{Range, Target};
-use crate::{modes, profile, run, sweep};
+use crate::{ensemble, modes, profile, roughness, run, spectrum, sweep};
 
 create_exception!(
     runway_modal,
@@ -380,6 +383,179 @@ impl Course {
     }
 }
 
+/// Elevations (runs, tracks, stations) of either precision.
+#[derive(FromPyObject)]
+enum Elevations<'py> {
+    Double(PyReadonlyArray3<'py, f64>),
+    Single(PyReadonlyArray3<'py, f32>),
+}
+
+/// Rows a run: largest, smallest and RMS loads, a column a gear; largest and RMS accelerations, a
+/// column a point. And the runs that gave no result, with the reason.
+type Many<'py> = ([Bound<'py, PyArray2<f64>>; 5], Vec<(usize, String)>);
+
+fn many<'py, T: numpy::Element + Copy + Into<f64> + Sync>(
+    py: Python<'py>,
+    plan: &ensemble::Plan,
+    elevations: &PyReadonlyArray3<T>,
+    mask: bool,
+) -> PyResult<Many<'py>> {
+    let runs = elevations.as_array().dim().0;
+    let memory = ensemble::Memory::new(elevations.as_slice()?, plan.tracks, plan.stations);
+    let found = detached(py, |pulse| {
+        let found = ensemble::simulate(plan, runs, &memory, pulse)?;
+        match found.failed.first() {
+            Some(&run) if !mask => Err(memory.fault(run)),
+            _ => Ok(found),
+        }
+    })?;
+    let failed = found.failed.iter().map(|&run| (run, memory.fault(run).to_string())).collect();
+    Ok((columns(py, plan, runs, found)?, failed))
+}
+
+fn columns<'py>(
+    py: Python<'py>,
+    plan: &ensemble::Plan,
+    runs: usize,
+    found: ensemble::Statistics,
+) -> PyResult<[Bound<'py, PyArray2<f64>>; 5]> {
+    let columns = |values: Vec<f64>, count: usize| {
+        numpy::ndarray::Array2::from_shape_vec((runs, count), values)
+            .map(|array| PyArray2::from_owned_array(py, array))
+            .map_err(|error| PyValueError::new_err(error.to_string()))
+    };
+    let (gears, points) = (plan.gears(), plan.points[0].len());
+    Ok([
+        columns(found.max_load, gears)?,
+        columns(found.min_load, gears)?,
+        columns(found.rms_load, gears)?,
+        columns(found.max_acceleration, points)?,
+        columns(found.rms_acceleration, points)?,
+    ])
+}
+
+/// Many runs at once; `modes` and `speed` one for all or one a run. Failed runs raise, or are
+/// masked by NaN. `stations`: points (x, y) for each of `modes`.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "a plan, spelled out")]
+fn simulate_many<'py>(
+    py: Python<'py>,
+    modes: Vec<Py<Modes>>,
+    elevations: Elevations<'py>,
+    spacing: f64,
+    speed: Vec<f64>,
+    stations: Vec<PyReadonlyArray2<'py, f64>>,
+    damping_input: bool,
+    mask: bool,
+) -> PyResult<Many<'py>> {
+    let dim = match &elevations {
+        Elevations::Double(array) => array.as_array().dim(),
+        Elevations::Single(array) => array.as_array().dim(),
+    };
+    let points = stations.iter().map(points).collect();
+    let modes = modes.iter().map(|modes| Arc::clone(&modes.get().0)).collect();
+    let (tracks, stations) = (dim.1, dim.2);
+    let plan = ensemble::Plan { modes, speed, tracks, stations, spacing, points, damping_input };
+    match elevations {
+        Elevations::Double(array) => many(py, &plan, &array, mask),
+        Elevations::Single(array) => many(py, &plan, &array, mask),
+    }
+}
+
+#[pyclass(frozen, module = "runway_modal._core")]
+struct Spectrum(spectrum::Spectrum);
+
+#[pymethods]
+impl Spectrum {
+    #[staticmethod]
+    fn power_law(coefficient: f64, waviness: f64, reference: f64, band: (f64, f64)) -> PyResult<Self> {
+        let law = PowerLaw { coefficient, waviness, reference, band };
+        Ok(Self(spectrum::Spectrum::power_law(law)?))
+    }
+
+    #[staticmethod]
+    fn table(n: PyReadonlyArray1<f64>, psd: PyReadonlyArray1<f64>) -> PyResult<Self> {
+        Ok(Self(spectrum::Spectrum::table(n.as_slice()?, psd.as_slice()?)?))
+    }
+
+    fn band(&self) -> (f64, f64) {
+        self.0.band()
+    }
+
+    fn variance(&self) -> f64 {
+        let (low, high) = self.0.band();
+        self.0.variance(low, high)
+    }
+
+    fn density<'py>(&self, py: Python<'py>, n: PyReadonlyArray1<f64>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, n.as_array().iter().map(|&n| self.0.density(n)))
+    }
+}
+
+#[pyclass(frozen, module = "runway_modal._core")]
+struct Generator(roughness::Generator);
+
+#[pymethods]
+impl Generator {
+    #[new]
+    fn new(
+        py: Python,
+        spectrum: &Spectrum,
+        length: f64,
+        spacing: f64,
+        y: PyReadonlyArray1<f64>,
+        seed: u64,
+    ) -> PyResult<Self> {
+        let (stretch, y) = (Stretch { length, spacing }, y.as_slice()?);
+        Ok(Self(py.detach(|| roughness::Generator::new(&spectrum.0, stretch, y, seed))?))
+    }
+
+    fn stations(&self) -> usize {
+        self.0.stations()
+    }
+
+    /// Fills (run, track, station) from the first run on.
+    fn elevations(&self, py: Python, first_run: u64, mut out: PyReadwriteArray3<f64>) -> PyResult<()> {
+        let out = out.as_slice_mut()?;
+        detached(py, |pulse| self.0.elevations(first_run, out, pulse))
+    }
+}
+
+/// Runs over random profiles: tables as those of `simulate_many`.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "a plan, spelled out")]
+fn monte_carlo<'py>(
+    py: Python<'py>,
+    modes: &Modes,
+    generator: &Generator,
+    first_run: u64,
+    runs: usize,
+    speed: Vec<f64>,
+    stations: PyReadonlyArray2<f64>,
+    damping_input: bool,
+) -> PyResult<[Bound<'py, PyArray2<f64>>; 5]> {
+    let plan = ensemble::Plan {
+        modes: vec![Arc::clone(&modes.0)],
+        speed,
+        tracks: generator.0.track_of().len(),
+        stations: generator.0.stations(),
+        spacing: generator.0.spacing(),
+        points: vec![points(&stations)],
+        damping_input,
+    };
+    let source = roughness::Runs { generator: &generator.0, first: first_run };
+    let found = detached(py, |pulse| {
+        let found = ensemble::simulate(&plan, runs, &source, pulse)?;
+        // Elevations are finite: the motion left the range of double precision.
+        found
+            .failed
+            .first()
+            .map_or(Ok(()), |&run| Err(Error::RunOverflow { run: first_run as usize + run }))?;
+        Ok(found)
+    })?;
+    columns(py, &plan, runs, found)
+}
+
 #[pyfunction]
 fn series(strut: f64, tire: f64) -> PyResult<f64> {
     Ok(aircraft::series(strut, tire)?)
@@ -389,5 +565,8 @@ fn series(strut: f64, tire: f64) -> PyResult<f64> {
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use super::{Aircraft, Course, Gear, InputError, Modes, NumericalError, Profile, Run, series};
+    use super::{
+        Aircraft, Course, Gear, Generator, InputError, Modes, NumericalError, Profile, Run, Spectrum,
+        monte_carlo, series, simulate_many,
+    };
 }

@@ -6,17 +6,21 @@ Any consistent unit system; the report's is lbf, in, s. See `simulate`.
 
 from ._core import InputError, NumericalError
 from .aircraft import Aircraft, Gear, equivalent_stiffness, f4e, single_dof
+from .ensemble import Ensemble, Estimate, simulate_many
 from .modes import Modes
 from .profile import Profile
 from .profile_csv import read_csv, write_csv
 from .profile_erd import read_erd, write_erd
 from .response import Extremes, Response
+from .roughness import Roughness, monte_carlo
 from .simulate import simulate
 from .sweep import Sweep, WorstSpeed, sweep, worst_speed
 from .units import Units, knots
 
 __all__ = [
     "Aircraft",
+    "Ensemble",
+    "Estimate",
     "Extremes",
     "Gear",
     "InputError",
@@ -24,15 +28,18 @@ __all__ = [
     "NumericalError",
     "Profile",
     "Response",
+    "Roughness",
     "Sweep",
     "Units",
     "WorstSpeed",
     "equivalent_stiffness",
     "f4e",
     "knots",
+    "monte_carlo",
     "read_csv",
     "read_erd",
     "simulate",
+    "simulate_many",
     "single_dof",
     "sweep",
     "worst_speed",

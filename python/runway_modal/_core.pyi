@@ -7,18 +7,40 @@ __all__ = [
     "Aircraft",
     "Course",
     "Gear",
+    "Generator",
     "InputError",
     "Modes",
     "NumericalError",
     "Profile",
     "Run",
+    "Spectrum",
+    "monte_carlo",
     "series",
+    "simulate_many",
 ]
 
 class InputError(ValueError): ...
 class NumericalError(ArithmeticError): ...
 
+def monte_carlo(
+    modes: Modes,
+    generator: Generator,
+    first_run: int,
+    runs: int,
+    speed: list[float],
+    stations: NDArray[np.float64],
+    damping_input: bool,
+) -> list[NDArray[np.float64]]: ...
 def series(strut: float, tire: float) -> float: ...
+def simulate_many(
+    modes: list[Modes],
+    elevations: NDArray[np.float64] | NDArray[np.float32],
+    spacing: float,
+    speed: list[float],
+    stations: list[NDArray[np.float64]],
+    damping_input: bool,
+    mask: bool,
+) -> tuple[list[NDArray[np.float64]], list[tuple[int, str]]]: ...
 
 @final
 class Gear:
@@ -116,3 +138,23 @@ class Course:
         tolerance: float,
         max_runs: int,
     ) -> tuple[float, float, float, int]: ...
+
+@final
+class Spectrum:
+    @staticmethod
+    def power_law(
+        coefficient: float, waviness: float, reference: float, band: tuple[float, float]
+    ) -> Spectrum: ...
+    @staticmethod
+    def table(n: NDArray[np.float64], psd: NDArray[np.float64]) -> Spectrum: ...
+    def band(self) -> tuple[float, float]: ...
+    def variance(self) -> float: ...
+    def density(self, n: NDArray[np.float64]) -> NDArray[np.float64]: ...
+
+@final
+class Generator:
+    def __new__(
+        cls, spectrum: Spectrum, length: float, spacing: float, y: NDArray[np.float64], seed: int
+    ) -> Generator: ...
+    def stations(self) -> int: ...
+    def elevations(self, first_run: int, out: NDArray[np.float64]) -> None: ...

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +31,18 @@ def finite(argument: str, value: Any) -> float:
     passed = number(argument, value)
     if not math.isfinite(passed):
         raise InputError(f"{argument} = {passed!r} is not finite")
+    return passed
+
+
+def integer(argument: str, value: Any, least: int, below: int | None = None) -> int:
+    """Pass one whole number within limits."""
+    try:
+        passed = operator.index(value)
+    except TypeError:
+        raise InputError(f"{argument} = {value!r} is not a whole number") from None
+    if passed < least or (below is not None and passed >= below):
+        limits = f"at least {least}" + ("" if below is None else f" and below {below}")
+        raise InputError(f"{argument} = {passed} must be {limits}")
     return passed
 
 

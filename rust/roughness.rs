@@ -1,0 +1,353 @@
+//! Random profiles from a spectrum: run 731 is the same profile in any batch, on any thread or
+//! machine.
+//!
+//! A profile is a part of one period of a sum of waves,
+//!
+//! ```text
+//! z(x) = Σ √vₖ (ξₖ cos 2πnₖx − ηₖ sin 2πnₖx)        nₖ = k ÷ period
+//! ```
+//!
+//! with ξ, η standard normal and vₖ the spectrum's integral from halfway to the line before to
+//! halfway to the line after, so that the variance is the spectrum's to the last bit that
+//! matters. Every station is Gaussian, and none is special: the process is stationary.
+//!
+//! The period exceeds the length by at least two of the longest waves: the ends of a profile
+//! then have nearly nothing to do with each other, and the lines are close enough to follow the
+//! spectrum where it is steepest.
+
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use crate::coherence::Coherency;
+use crate::ensemble::{RUNS, Reader, Row, Source};
+use crate::error::{Error, Result, finite, positive};
+use crate::fourier::{NONE, Pair, Transform, times};
+use crate::random::{Deviates, LINES, Streams};
+use crate::spectrum::Spectrum;
+use crate::watch::Pulse;
+
+/// Longest waves by which the period exceeds the length.
+const MARGIN: f64 = 2.0;
+
+/// Spacings in a period: half a gigabyte a track for a block of runs, and seconds to make it.
+const MOST_SPACINGS: f64 = 8_388_608.0; // 2²³
+
+/// Wavinesses of isotropic surfaces.
+const MOST_WAVINESS: f64 = 10.0;
+
+/// The stretch of runway that profiles are made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// From the first station to the last, at least.
+    pub length: f64,
+    /// Of the stations.
+    pub spacing: f64,
+}
+
+/// Makes profiles: everything that does not depend on the run.
+#[derive(Clone, Debug)]
+pub struct Generator {
+    seed: u64,
+    spacing: f64,
+    stations: usize,
+    /// Distinct lateral positions, in order of appearance; and which of them each track has.
+    tracks: usize,
+    track_of: Vec<usize>,
+    /// The lines in the band, in order of their first place: memory is then walked through, not
+    /// jumped about in.
+    lines: Vec<Line>,
+    /// Half of √v L of each line, L the factor of the tracks' coherencies.
+    triangles: Vec<f64>,
+    transform: Transform,
+}
+
+/// A wave of the sum, and where it goes.
+///
+/// A real series of twice as many terms has its even stations as real parts, its odd ones as
+/// imaginary parts; line k then goes into terms k and size − k.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    number: u32,
+    places: [u32; 2],
+    /// e^(iπk ÷ size).
+    turn: [f64; 2],
+}
+
+/// Room for the profiles of one block of runs.
+#[derive(Clone, Debug)]
+pub struct Block {
+    tracks: Vec<Vec<Pair>>,
+    noise: Vec<Deviates>,
+}
+
+impl Block {
+    /// Elevations at the stations under a distinct track.
+    #[must_use]
+    pub fn track(&self, distinct: usize) -> &[Row] {
+        self.tracks[distinct].as_flattened()
+    }
+}
+
+impl Generator {
+    /// For parallel tracks at `y` on one isotropic surface; tracks at the same `y` are one.
+    ///
+    /// # Errors
+    /// Values out of range, a spacing that the band's shortest waves do not fit, and several
+    /// tracks where the spectrum has no single waviness.
+    pub fn new(spectrum: &Spectrum, stretch: Stretch, y: &[f64], seed: u64) -> Result<Self> {
+        let Stretch { length, spacing } = stretch;
+        positive("length", length)?;
+        positive("spacing", spacing)?;
+        let (longest, shortest) = spectrum.band();
+        if 2.0 * spacing * shortest > 1.0 + 1e-9 {
+            let why =
+                "the band's shortest wave needs two stations; lower the band's upper end or the spacing";
+            return Err(Error::OutOfRange { place: "spacing".into(), value: spacing, why });
+        }
+        // A length that is a whole number of spacings but for rounding is one.
+        let segments = (length / spacing - 1e-9).ceil().max(1.0);
+        let period = segments + (MARGIN / (longest * spacing)).ceil();
+        if period > MOST_SPACINGS {
+            let why = "length and longest wave of the band hold more than 2^23 spacings";
+            return Err(Error::OutOfRange { place: "spacing".into(), value: spacing, why });
+        }
+        let (distinct, track_of) = distinct(y)?;
+        let coherency = match (distinct.len(), spectrum.waviness()) {
+            (1, _) => Coherency::new(1.0),
+            (_, None) => return Err(Error::NoWaviness),
+            (_, Some(waviness)) if waviness > 0.0 && waviness <= MOST_WAVINESS => Coherency::new(waviness),
+            (_, Some(value)) => {
+                let why = "an isotropic surface has a waviness above 0, at most 10";
+                return Err(Error::OutOfRange { place: "waviness".into(), value, why });
+            }
+        };
+
+        // Half a period of lines in as many complex terms.
+        let size = Transform::fast_size((period as usize).div_ceil(2));
+        let step = 1.0 / (2.0 * size as f64 * spacing);
+        let (first, last) = (((longest / step + 0.5) as usize).max(1), size - 1);
+        let end = ((shortest / step + 0.5) as usize).min(last) + 1;
+        let transform = Transform::new(size);
+        let line = |k: usize| Line {
+            number: k as u32,
+            places: [k, size - k].map(|k| transform.place(k)),
+            turn: transform.turn(k),
+        };
+        let mut lines: Vec<Line> = (first..end).map(line).collect();
+        lines.sort_unstable_by_key(|line| line.places[0]);
+        let triangle = |line: &Line| {
+            let k = f64::from(line.number);
+            let upper = if line.number as usize == last { shortest } else { (k + 0.5) * step };
+            let half_deviation = 0.5 * spectrum.variance((k - 0.5) * step, upper).sqrt();
+            let mut triangle = Vec::with_capacity(distinct.len() * (distinct.len() + 1) / 2);
+            coherency.factor(k * step, &distinct, &mut triangle);
+            triangle.into_iter().map(move |entry| half_deviation * entry)
+        };
+        let triangles = threads().install(|| lines.par_iter().flat_map_iter(triangle).collect());
+        Ok(Self {
+            seed,
+            spacing,
+            stations: segments as usize + 1,
+            tracks: distinct.len(),
+            track_of,
+            lines,
+            triangles,
+            transform,
+        })
+    }
+
+    /// Distance between stations.
+    #[must_use]
+    pub fn spacing(&self) -> f64 {
+        self.spacing
+    }
+
+    /// Stations of a profile.
+    #[must_use]
+    pub fn stations(&self) -> usize {
+        self.stations
+    }
+
+    /// Which distinct track each of the tracks is.
+    #[must_use]
+    pub fn track_of(&self) -> &[usize] {
+        &self.track_of
+    }
+
+    /// Room for one block.
+    #[must_use]
+    pub fn block(&self) -> Block {
+        let rows = self.transform.size();
+        Block {
+            tracks: vec![vec![NONE; rows]; self.tracks],
+            noise: vec![[[Row::ZERO; LINES]; 2]; self.tracks],
+        }
+    }
+
+    /// Makes the profiles of eight runs.
+    pub fn fill(&self, runs: [u64; RUNS], block: &mut Block) {
+        synthesize(self, &Streams::new(self.seed, runs), block);
+    }
+
+    /// Profiles of consecutive runs: (run, track, station), as many runs as fit.
+    ///
+    /// # Errors
+    /// When the caller asks to stop.
+    pub fn elevations(&self, first_run: u64, out: &mut [f64], pulse: Pulse) -> Result<()> {
+        let run_size = self.track_of.len() * self.stations;
+        let work = RUNS * self.transform.size() * self.tracks;
+        // Long enough for all threads to have work, short enough to stop within a second.
+        let threads = threads();
+        let blocks = threads.current_num_threads() * (PATIENCE / work).max(1);
+        for (wave, runs) in out.chunks_mut(blocks * RUNS * run_size).enumerate() {
+            pulse()?;
+            let fill = |block: &mut Block, (i, runs): (usize, &mut [f64])| {
+                self.fill_from(first_run.wrapping_add(((wave * blocks + i) * RUNS) as u64), block);
+                for (t, &track) in self.track_of.iter().enumerate() {
+                    let rows = block.track(track)[..self.stations].chunks(TILE);
+                    for (tile, rows) in rows.enumerate() {
+                        for (lane, run) in runs.chunks_mut(run_size).enumerate() {
+                            let out = &mut run[t * self.stations + tile * TILE..][..rows.len()];
+                            for (z, row) in out.iter_mut().zip(rows) {
+                                *z = row[lane];
+                            }
+                        }
+                    }
+                }
+            };
+            let runs = runs.par_chunks_mut(RUNS * run_size).enumerate();
+            threads.install(|| runs.for_each_init(|| self.block(), fill));
+        }
+        Ok(())
+    }
+
+    /// Makes the profiles of eight consecutive runs.
+    fn fill_from(&self, first: u64, block: &mut Block) {
+        self.fill(std::array::from_fn(|lane| first.wrapping_add(lane as u64)), block);
+    }
+}
+
+/// Consecutive runs as a source of elevations.
+#[derive(Clone, Copy, Debug)]
+pub struct Runs<'a> {
+    /// What makes them.
+    pub generator: &'a Generator,
+    /// The first one's number.
+    pub first: u64,
+}
+
+/// Makes a block of runs, then lets it be read.
+#[derive(Debug)]
+pub struct RunsReader<'a> {
+    runs: Runs<'a>,
+    block: Block,
+}
+
+impl Source for Runs<'_> {
+    type Reader<'a>
+        = RunsReader<'a>
+    where
+        Self: 'a;
+
+    fn reader(&self) -> RunsReader<'_> {
+        RunsReader { runs: *self, block: self.generator.block() }
+    }
+}
+
+impl Reader for RunsReader<'_> {
+    fn open(&mut self, first: usize, _count: usize) {
+        self.runs.generator.fill_from(self.runs.first.wrapping_add(first as u64), &mut self.block);
+    }
+
+    fn read(&mut self, track: usize, first: usize, out: &mut [Row]) {
+        let track = self.block.track(self.runs.generator.track_of[track]);
+        out.copy_from_slice(&track[first..][..out.len()]);
+    }
+}
+
+/// Threads of our own, which a forked process has as well.
+fn threads() -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().build().expect("threads")
+}
+
+/// Stations turned from side by side to one after another at a time: they stay in the cache.
+const TILE: usize = 64;
+
+/// Stations times runs between two questions: some tens of milliseconds.
+const PATIENCE: usize = 1 << 22;
+
+fn distinct(y: &[f64]) -> Result<(Vec<f64>, Vec<usize>)> {
+    if y.is_empty() {
+        return Err(Error::TooShort { argument: "y", found: 0, least: 1 });
+    }
+    let mut distinct: Vec<f64> = vec![];
+    let mut track_of = vec![];
+    for (i, &value) in y.iter().enumerate() {
+        finite(crate::error::Place::at("y", i), value)?;
+        let known = distinct.iter().position(|&other| other == value);
+        track_of.push(known.unwrap_or_else(|| {
+            distinct.push(value);
+            distinct.len() - 1
+        }));
+    }
+    Ok((distinct, track_of))
+}
+
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn synthesize(generator: &Generator, streams: &Streams, block: &mut Block) {
+    synthesize_here(generator, streams, block);
+}
+
+/// Draws the lines of all tracks, then sums them, track by track.
+#[inline(always)]
+fn synthesize_here(generator: &Generator, streams: &Streams, block: &mut Block) {
+    for track in &mut block.tracks {
+        track.fill(NONE);
+    }
+    let mut triangles = generator.triangles.chunks_exact(generator.tracks * (generator.tracks + 1) / 2);
+    for lines in generator.lines.chunks(LINES) {
+        let numbers = std::array::from_fn(|i| lines.get(i).map_or(0, |line| line.number));
+        for (t, noise) in block.noise.iter_mut().enumerate() {
+            *noise = streams.normals(&numbers, t as u32);
+        }
+        for (i, (line, triangle)) in lines.iter().zip(&mut triangles).enumerate() {
+            let [here, there] = line.places.map(|place| place as usize);
+            let [cos, sin] = line.turn;
+            let mut entries = triangle.iter();
+            for (t, terms) in block.tracks.iter_mut().enumerate() {
+                let mut wave = NONE;
+                for (noise, factor) in block.noise[..=t].iter().zip(&mut entries) {
+                    wave[0] += Row::all(*factor) * noise[0][i];
+                    wave[1] += Row::all(*factor) * noise[1][i];
+                }
+                let [re, im] = times(wave, [1.0 - sin, cos]);
+                terms[here] = [terms[here][0] + re, terms[here][1] + im];
+                let [re, im] = times(wave, [1.0 + sin, -cos]);
+                terms[there] = [terms[there][0] + re, terms[there][1] - im];
+            }
+        }
+    }
+    for terms in &mut block.tracks {
+        generator.transform.sum(terms);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::PowerLaw;
+
+    /// Vectors of whatever width this machine has give the bits of the plain build's.
+    #[test]
+    fn any_width_of_vectors() {
+        let law = PowerLaw { coefficient: 16e-6, waviness: 2.0, reference: 0.1, band: (0.01, 1.0) };
+        let stretch = Stretch { length: 500.0, spacing: 0.5 };
+        let spectrum = Spectrum::power_law(law).unwrap();
+        let generator = Generator::new(&spectrum, stretch, &[0.0, 5.0, -5.0], 7).unwrap();
+        let runs = std::array::from_fn(|lane| 100 * lane as u64);
+        let (mut wide, mut plain) = (generator.block(), generator.block());
+        generator.fill(runs, &mut wide);
+        synthesize_here(&generator, &Streams::new(7, runs), &mut plain);
+        assert_eq!(wide.tracks, plain.tracks);
+    }
+}

@@ -8,7 +8,7 @@ MADE := $(VENV)/.made
 DEV := $(VENV)/.dev
 # maturin puts the extension beside the Python sources: it is its own time stamp.
 CORE := python/runway_modal/_core.abi3.so
-SOURCES := Cargo.toml Cargo.lock pyproject.toml $(wildcard rust/*.rs)
+SOURCES := Cargo.toml Cargo.lock pyproject.toml $(wildcard rust/*.rs rust/*/*.rs)
 
 # maturin and pyo3 must see this environment and no other.
 export VIRTUAL_ENV := $(CURDIR)/$(VENV)
@@ -71,12 +71,12 @@ test-python: $(DEV) ## examples in docstrings, then the tests
 
 bench: $(DEV) ## speed and memory, measured against peers; minutes
 	cargo bench --locked
-	for script in long_profile one_mat direct_integration sweep memory; do $(PY) benches/$$script.py; done
+	for script in long_profile one_mat direct_integration sweep ensemble memory; do $(PY) benches/$$script.py; done
 
 bench-smoke: $(DEV) ## the same at tiny sizes: does it run?
 	cargo bench --quiet --locked --no-run
 	cargo bench --quiet --locked -- --test
-	for script in long_profile one_mat direct_integration sweep memory; do $(PY) -W error benches/$$script.py --quick; done
+	for script in long_profile one_mat direct_integration sweep ensemble memory; do $(PY) -W error benches/$$script.py --quick; done
 
 accuracy: $(DEV) ## table of errors against 40-digit arithmetic
 	$(PY) tests/accuracy.py

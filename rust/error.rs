@@ -9,36 +9,42 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     argument: &'static str,
-    row: Option<usize>,
-    column: Option<usize>,
+    index: [Option<usize>; 3],
 }
 
 impl Place {
     /// `argument[index]`.
     #[must_use]
     pub fn at(argument: &'static str, index: usize) -> Self {
-        Self { argument, row: Some(index), column: None }
+        Self { argument, index: [Some(index), None, None] }
     }
 
     /// `argument[row, column]`.
     #[must_use]
     pub fn cell(argument: &'static str, row: usize, column: usize) -> Self {
-        Self { argument, row: Some(row), column: Some(column) }
+        Self { argument, index: [Some(row), Some(column), None] }
+    }
+
+    /// `argument[run, track, station]`.
+    #[must_use]
+    pub fn station(argument: &'static str, run: usize, track: usize, station: usize) -> Self {
+        Self { argument, index: [Some(run), Some(track), Some(station)] }
     }
 }
 
 impl From<&'static str> for Place {
     fn from(argument: &'static str) -> Self {
-        Self { argument, row: None, column: None }
+        Self { argument, index: [None; 3] }
     }
 }
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.argument)?;
-        match (self.row, self.column) {
-            (Some(row), Some(column)) => write!(f, "[{row}, {column}]"),
-            (Some(row), None) => write!(f, "[{row}]"),
+        match self.index {
+            [Some(row), Some(column), Some(layer)] => write!(f, "[{row}, {column}, {layer}]"),
+            [Some(row), Some(column), None] => write!(f, "[{row}, {column}]"),
+            [Some(row), ..] => write!(f, "[{row}]"),
             _ => Ok(()),
         }
     }
@@ -100,6 +106,9 @@ pub enum Error {
     /// The bound on speeds not tried knows no dampers' input.
     #[error("damping_input is on: the worst speed is bounded without the dampers' input only")]
     DampedInput,
+    /// A run of many whose arithmetic left the range.
+    #[error("run {run}: a result left the range of double precision")]
+    RunOverflow { run: usize },
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,
@@ -109,7 +118,7 @@ impl Error {
     /// Whether the arithmetic failed, rather than the input being wrong.
     #[must_use]
     pub fn is_numerical(&self) -> bool {
-        matches!(self, Self::NotConverged { .. } | Self::Overflow { .. })
+        matches!(self, Self::NotConverged { .. } | Self::Overflow { .. } | Self::RunOverflow { .. })
     }
 }
 

@@ -73,7 +73,7 @@ impl Extreme {
 
 /// A number a mode, and another for the fast exponential of an overdamped one.
 #[derive(Clone, Copy)]
-struct Pair([Lanes; 2]);
+pub(crate) struct Pair([Lanes; 2]);
 
 impl Pair {
     #[inline(always)]
@@ -93,14 +93,14 @@ fn rates(two_zeta: f64) -> Option<[f64; 2]> {
 
 /// How lengths follow from y and w = ẏ/ω, lane by lane: a mode that oscillates has the length
 /// of (y, w), an overdamped one |slow · (y, w)| and |fast · (y, w)|.
-struct Lengths {
+pub(crate) struct Lengths {
     slow: [Lanes; 2],
     across: Lanes,
     fast: [Lanes; 2],
 }
 
 impl Lengths {
-    fn new(bank: &Oscillators) -> Self {
+    pub fn new(bank: &Oscillators) -> Self {
         let none = Lanes::ZERO;
         let mut lengths = Self { slow: [Lanes::all(1.0), none], across: Lanes::all(1.0), fast: [none; 2] };
         for i in 0..LANES {
@@ -127,6 +127,15 @@ impl Lengths {
         Pair([(slow * slow + across * across).map(f64::sqrt), fast.abs()])
     }
 
+    /// Weights of |y| and |ẏ/ω| in a sum that is not less than `weights` · lengths.
+    pub fn reach(&self, Pair([one, other]): Pair) -> [Lanes; 2] {
+        let Self { slow, across, fast } = self;
+        [
+            one * slow[0].abs() + other * fast[0].abs(),
+            one * (slow[1].abs() + across.abs()) + other * fast[1].abs(),
+        ]
+    }
+
     /// Not less than the lengths, without their root.
     #[inline(always)]
     fn at_most(&self, departure: (Lanes, Lanes)) -> Pair {
@@ -136,20 +145,21 @@ impl Lengths {
 }
 
 /// An output with the bounds that follow from its weights.
-struct Output {
-    form: Form,
+#[derive(Clone)]
+pub(crate) struct Output {
+    pub form: Form,
     /// Weights of y and ẏ/ω in F′.
     slope: [Lanes; 2],
     /// Weights of y and ẏ/ω in F″.
-    bend: [Lanes; 2],
+    pub bend: [Lanes; 2],
     /// Σ amplitude · r bounds the oscillating part.
-    amplitude: Pair,
+    pub amplitude: Pair,
     /// Σ second · r bounds |F″|.
-    second: Pair,
+    pub second: Pair,
     /// Σ third · r bounds |F‴|.
     third: Pair,
-    line: Line,
-    record: Extreme,
+    pub line: Line,
+    pub record: Extreme,
 }
 
 /// Departure from the moving steady position: y and ẏ/ω.
@@ -159,7 +169,7 @@ fn departure(bank: &Oscillators, drive: &Drive, state: &State) -> (Lanes, Lanes)
 }
 
 impl Output {
-    fn new(form: Form, bank: &Oscillators) -> Self {
+    pub fn new(form: Form, bank: &Oscillators) -> Self {
         // d/dt of a y + b ẏ/ω is (−ωb) y + ω(a − 2ζb) ẏ/ω.
         let derive =
             |[a, b]: [Lanes; 2]| [Lanes::ZERO - bank.omega * b, bank.omega * (a - bank.two_zeta * b)];
@@ -193,16 +203,16 @@ impl Output {
     /// Searches one piece from `tau` to `tau` + `h` after `time`: its end, and its inside as far
     /// as the bounds (sign, sign × bound) reach beyond the record.
     #[cold]
-    fn search(
+    pub fn search(
         &mut self,
         (bank, lengths): (&Oscillators, &Lengths),
         (from, to): (&State, &State),
         drive: &Drive,
         (time, tau, h): (f64, f64, f64),
-        bounds: [(f64, f64); 2],
+        bounds: &[(f64, f64)],
     ) {
         self.offer(to, time, tau + h);
-        for (sign, bound) in bounds {
+        for &(sign, bound) in bounds {
             let best = if sign > 0.0 { self.record.max } else { -self.record.min };
             let slack = self.slack();
             if !bound.is_finite() {
@@ -517,7 +527,7 @@ impl Search<'_> {
                     if top[lane] > screen.high[lane] || bottom[lane] < screen.low[lane] {
                         let signs = [(1.0, top[lane]), (-1.0, -bottom[lane])];
                         let bank = (&self.run.oscillators, &self.lengths);
-                        output.search(bank, (from, to), drive, (time, tau, h), signs);
+                        output.search(bank, (from, to), drive, (time, tau, h), &signs);
                     }
                 }
                 screen.read_records(outputs);

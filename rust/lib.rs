@@ -40,6 +40,7 @@
 //! | `parallel` | independent pieces of work on all threads |
 //! | [`sweep`] | one runway at many speeds |
 //! | [`worst`] | the worst speed of a range, with a bound on all others |
+//! | [`ensemble`] | many equally spaced profiles at once: statistics without a history |
 //! | `python` | the only file that names Python, behind the feature `python` |
 //!
 //! ```
@@ -68,6 +69,7 @@
 
 pub mod aircraft;
 pub mod distance;
+pub mod ensemble;
 pub mod error;
 pub mod extremes;
 mod knots;

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 use numpy::ndarray::{Array3, ArrayView1};
 use numpy::{
-    PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2,
+    PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyReadwriteArray1,
+    PyReadwriteArray2,
 };
 use pyo3::create_exception;
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
@@ -17,7 +18,7 @@ use crate::extremes::Extreme;
 use crate::readout::Quantity;
 use crate::watch::Pulse;
 use crate::worst::{Range, Target};
-use crate::{modes, profile, run, sweep};
+use crate::{ensemble, modes, profile, run, sweep};
 
 create_exception!(
     runway_modal,
@@ -380,6 +381,77 @@ impl Course {
     }
 }
 
+/// Elevations (runs, tracks, stations) of either precision.
+#[derive(FromPyObject)]
+enum Elevations<'py> {
+    Double(PyReadonlyArray3<'py, f64>),
+    Single(PyReadonlyArray3<'py, f32>),
+}
+
+/// Rows a run: largest, smallest and RMS loads, a column a gear; largest and RMS accelerations, a
+/// column a point. And the runs that gave no result, with the reason.
+type Many<'py> = ([Bound<'py, PyArray2<f64>>; 5], Vec<(usize, String)>);
+
+fn many<'py, T: numpy::Element + Copy + Into<f64> + Sync>(
+    py: Python<'py>,
+    plan: &ensemble::Plan,
+    elevations: &PyReadonlyArray3<T>,
+    mask: bool,
+) -> PyResult<Many<'py>> {
+    let runs = elevations.as_array().dim().0;
+    let memory = ensemble::Memory::new(elevations.as_slice()?, plan.tracks, plan.stations);
+    let found = detached(py, |pulse| {
+        let found = ensemble::simulate(plan, runs, &memory, pulse)?;
+        match found.failed.first() {
+            Some(&run) if !mask => Err(memory.fault(run)),
+            _ => Ok(found),
+        }
+    })?;
+    let failed = found.failed.iter().map(|&run| (run, memory.fault(run).to_string())).collect();
+    let columns = |values: Vec<f64>, count: usize| {
+        numpy::ndarray::Array2::from_shape_vec((runs, count), values)
+            .map(|array| PyArray2::from_owned_array(py, array))
+            .map_err(|error| PyValueError::new_err(error.to_string()))
+    };
+    let (gears, points) = (plan.gears(), plan.points[0].len());
+    let arrays = [
+        columns(found.max_load, gears)?,
+        columns(found.min_load, gears)?,
+        columns(found.rms_load, gears)?,
+        columns(found.max_acceleration, points)?,
+        columns(found.rms_acceleration, points)?,
+    ];
+    Ok((arrays, failed))
+}
+
+/// Many runs at once; `modes` and `speed` one for all or one a run. Failed runs raise, or are
+/// masked by NaN. `stations`: points (x, y) for each of `modes`.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "a plan, spelled out")]
+fn simulate_many<'py>(
+    py: Python<'py>,
+    modes: Vec<Py<Modes>>,
+    elevations: Elevations<'py>,
+    spacing: f64,
+    speed: Vec<f64>,
+    stations: Vec<PyReadonlyArray2<'py, f64>>,
+    damping_input: bool,
+    mask: bool,
+) -> PyResult<Many<'py>> {
+    let dim = match &elevations {
+        Elevations::Double(array) => array.as_array().dim(),
+        Elevations::Single(array) => array.as_array().dim(),
+    };
+    let points = stations.iter().map(points).collect();
+    let modes = modes.iter().map(|modes| Arc::clone(&modes.get().0)).collect();
+    let (tracks, stations) = (dim.1, dim.2);
+    let plan = ensemble::Plan { modes, speed, tracks, stations, spacing, points, damping_input };
+    match elevations {
+        Elevations::Double(array) => many(py, &plan, &array, mask),
+        Elevations::Single(array) => many(py, &plan, &array, mask),
+    }
+}
+
 #[pyfunction]
 fn series(strut: f64, tire: f64) -> PyResult<f64> {
     Ok(aircraft::series(strut, tire)?)
@@ -389,5 +461,7 @@ fn series(strut: f64, tire: f64) -> PyResult<f64> {
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use super::{Aircraft, Course, Gear, InputError, Modes, NumericalError, Profile, Run, series};
+    use super::{
+        Aircraft, Course, Gear, InputError, Modes, NumericalError, Profile, Run, series, simulate_many,
+    };
 }

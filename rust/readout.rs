@@ -39,9 +39,11 @@ pub(crate) struct Form {
     pub v: Lanes,
     p: Lanes,
     /// One a track.
-    rate: Vec<f64>,
+    pub rate: Vec<f64>,
     /// Entry 0: rise of the first track since the start; others: track − first track.
-    height: Vec<f64>,
+    pub height: Vec<f64>,
+    /// One a track: first elevations less that of the first track. Already in `constant`.
+    pub first: Vec<f64>,
 }
 
 /// The straight-line part of a form along one segment.
@@ -54,7 +56,16 @@ pub(crate) struct Line {
 impl Form {
     fn zero(run: &Run) -> Self {
         let (none, tracks) = (Lanes::ZERO, run.tracks.len());
-        Self { constant: 0.0, d: none, v: none, p: none, rate: vec![0.0; tracks], height: vec![0.0; tracks] }
+        let weights = vec![0.0; tracks];
+        Self {
+            constant: 0.0,
+            d: none,
+            v: none,
+            p: none,
+            rate: weights.clone(),
+            height: weights.clone(),
+            first: weights,
+        }
     }
 
     /// Acceleration along `direction`: p̈ = −ω²d − 2ζω ṗ, plus the dampers' input.
@@ -120,6 +131,7 @@ impl Form {
             if track != 0 {
                 form.height[track] += now;
             }
+            form.first[track] += start - now;
             warp += (start - now) * (first[j] - first[0]);
         }
         if statics.own {

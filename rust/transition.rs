@@ -149,12 +149,19 @@ impl Oscillators {
     #[inline(always)]
     #[must_use]
     pub fn over(&self, dt: f64) -> Transition {
-        let doublings = doublings(self.stiffest * dt);
-        let mut step = self.step::<TERMS>(dt * power_of_half(doublings));
+        let (doublings, dt) = self.halved(dt);
+        let mut step = self.step::<TERMS>(dt);
         for _ in 0..doublings {
             step = self.doubled(&step);
         }
         step
+    }
+
+    /// A time halved until it is at most a radian of the stiffest mode: how often, and what is left.
+    #[inline(always)]
+    pub(crate) fn halved(&self, dt: f64) -> (u32, f64) {
+        let doublings = doublings(self.stiffest * dt);
+        (doublings, dt * power_of_half(doublings))
     }
 
     /// Whether [`over_short`](Self::over_short) will do.

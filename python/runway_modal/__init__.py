@@ -6,6 +6,7 @@ Any consistent unit system; the report's is lbf, in, s. See `simulate`.
 
 from ._core import InputError, NumericalError
 from .aircraft import Aircraft, Gear, equivalent_stiffness, f4e, single_dof
+from .ensemble import Ensemble, Estimate, simulate_many
 from .modes import Modes
 from .profile import Profile
 from .profile_csv import read_csv, write_csv
@@ -17,6 +18,8 @@ from .units import Units, knots
 
 __all__ = [
     "Aircraft",
+    "Ensemble",
+    "Estimate",
     "Extremes",
     "Gear",
     "InputError",
@@ -33,6 +36,7 @@ __all__ = [
     "read_csv",
     "read_erd",
     "simulate",
+    "simulate_many",
     "single_dof",
     "sweep",
     "worst_speed",

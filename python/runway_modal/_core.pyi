@@ -13,12 +13,22 @@ __all__ = [
     "Profile",
     "Run",
     "series",
+    "simulate_many",
 ]
 
 class InputError(ValueError): ...
 class NumericalError(ArithmeticError): ...
 
 def series(strut: float, tire: float) -> float: ...
+def simulate_many(
+    modes: list[Modes],
+    elevations: NDArray[np.float64] | NDArray[np.float32],
+    spacing: float,
+    speed: list[float],
+    stations: list[NDArray[np.float64]],
+    damping_input: bool,
+    mask: bool,
+) -> tuple[list[NDArray[np.float64]], list[tuple[int, str]]]: ...
 
 @final
 class Gear:

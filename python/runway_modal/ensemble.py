@@ -1,0 +1,572 @@
+"""Many runs at once: extremes and mean squares, without their histories."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from . import _core
+from ._core import InputError
+from ._input import any_array, array, number, read_only
+from .modes import Modes
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    import pandas as pd
+    from numpy.typing import ArrayLike, NDArray
+
+#: What quantiles and exceedances are asked of.
+_QUANTITIES = ("max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Estimate:
+    """
+    What a sample of runs tells, with its confidence interval.
+
+    Parameters
+    ----------
+    value : ndarray, shape (k, c)
+        A row a probability or level asked for, a column a gear or station.
+    low : ndarray, shape (k, c)
+        Lower end of the interval; of a quantile, -inf where the runs are too few to tell.
+    high : ndarray, shape (k, c)
+        Upper end; of a quantile, inf where the runs are too few to tell.
+
+    Examples
+    --------
+    >>> import numpy as np, runway_modal as rm
+    >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+    >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
+    >>> median = ensemble.quantile("max_load", 0.5)
+    >>> bool((median.low < median.value).all() and (median.value < median.high).all())
+    True
+    """
+
+    value: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ensemble:
+    """
+    What many runs come to, a row a run. `simulate_many` makes it.
+
+    A run that could not be computed holds NaN and is named in `failures`; quantiles,
+    exceedances and the worst runs leave it out. Arrays are read-only.
+
+    Parameters
+    ----------
+    gear_names : tuple of str
+        Names of the gears, in the order of the columns.
+    setup : mapping
+        What all runs have in common, in plain numbers and words; `merge` compares it.
+    run : ndarray, shape (n,)
+        Numbers of the runs.
+    speed : ndarray, shape (n,)
+        Ground speeds [length/time].
+    static_load : ndarray, shape (n, g)
+        Static loads [force].
+    max_load : ndarray, shape (n, g)
+        Largest compression load of each gear, between stations too [force].
+    min_load : ndarray, shape (n, g)
+        Smallest compression load of each gear, between stations too [force].
+    rms_load : ndarray, shape (n, g)
+        Root mean square over time of the dynamic load, load less static load [force].
+    max_acceleration : dict of str to ndarray, shape (n,)
+        Largest magnitude of vertical acceleration at each station [length/time²].
+    rms_acceleration : dict of str to ndarray, shape (n,)
+        Its root mean square over time [length/time²].
+    failures : dict of int to str
+        Why runs could not be computed, by run number.
+
+    Examples
+    --------
+    >>> import numpy as np, runway_modal as rm
+    >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+    >>> rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
+    <Ensemble: 50 runs, gears nose, left, right, none failed>
+    """
+
+    gear_names: tuple[str, ...]
+    setup: Mapping[str, Any]
+    run: NDArray[np.int64]
+    speed: NDArray[np.float64]
+    static_load: NDArray[np.float64]
+    max_load: NDArray[np.float64]
+    min_load: NDArray[np.float64]
+    rms_load: NDArray[np.float64]
+    max_acceleration: dict[str, NDArray[np.float64]]
+    rms_acceleration: dict[str, NDArray[np.float64]]
+    failures: dict[int, str]
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Whether each run could be computed, shape (n,)."""
+        return ~np.isnan(self.max_load[:, 0])
+
+    @property
+    def unloaded(self) -> NDArray[np.bool_]:
+        """
+        Whether each gear's load reaches zero in a run, shape (n, g).
+
+        Past that the linear model, in which a gear may pull on the runway, no longer holds.
+        """
+        return self.min_load <= 0.0
+
+    def merge(self, other: Ensemble) -> Ensemble:
+        """
+        Put two parts of one ensemble together, in the order of their run numbers.
+
+        Parameters
+        ----------
+        other : Ensemble
+            Other runs of the same set-up.
+
+        Returns
+        -------
+        Ensemble
+            The runs of both.
+
+        Raises
+        ------
+        InputError
+            If the set-ups differ or a run is in both.
+
+        Examples
+        --------
+        >>> import numpy as np, runway_modal as rm
+        >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+        >>> def roll(part, first_run):
+        ...     modes = rm.f4e().modes(0.01)
+        ...     return rm.simulate_many(modes, part, 12.0, rm.knots(60), first_run=first_run)
+        >>> roll(runways[30:], 30).merge(roll(runways[:30], 0))
+        <Ensemble: 50 runs, gears nose, left, right, none failed>
+        """
+        if not isinstance(other, Ensemble):
+            raise InputError(f"other = {other!r} is not an Ensemble")
+        for key in sorted({*self.setup, *other.setup}):
+            mine, theirs = self.setup.get(key), other.setup.get(key)
+            if mine != theirs:
+                raise InputError(f"merge: {key} is {mine} here and {theirs} there")
+        run = np.concatenate((self.run, other.run))
+        order = np.argsort(run, kind="stable")
+        twice = np.flatnonzero(np.diff(run[order]) == 0)
+        if twice.size:
+            raise InputError(f"merge: run {run[order][twice[0]]} is in both")
+
+        def both(mine: NDArray[Any], theirs: NDArray[Any]) -> NDArray[Any]:
+            return read_only(np.concatenate((mine, theirs))[order])
+
+        def each(
+            mine: dict[str, NDArray[np.float64]], theirs: dict[str, NDArray[np.float64]]
+        ) -> dict[str, NDArray[np.float64]]:
+            return {name: both(column, theirs[name]) for name, column in mine.items()}
+
+        return Ensemble(
+            gear_names=self.gear_names,
+            setup=self.setup,
+            run=_frozen(run[order]),
+            speed=both(self.speed, other.speed),
+            static_load=both(self.static_load, other.static_load),
+            max_load=both(self.max_load, other.max_load),
+            min_load=both(self.min_load, other.min_load),
+            rms_load=both(self.rms_load, other.rms_load),
+            max_acceleration=each(self.max_acceleration, other.max_acceleration),
+            rms_acceleration=each(self.rms_acceleration, other.rms_acceleration),
+            failures=dict(sorted({**self.failures, **other.failures}.items())),
+        )
+
+    def _sorted(self, quantity: str) -> NDArray[np.float64]:
+        """Values of a quantity over the valid runs, ascending, a column a gear or station."""
+        if quantity not in _QUANTITIES:
+            raise InputError(f"quantity = {quantity!r}: no such quantity; there are {_QUANTITIES}")
+        values = getattr(self, quantity)
+        if isinstance(values, dict):
+            values = np.column_stack(list(values.values()))
+        values = values[self.valid]
+        if values.shape[0] == 0:
+            raise InputError("no run could be computed")
+        return np.asarray(np.sort(values, axis=0))
+
+    def quantile(
+        self, quantity: str, probability: ArrayLike, *, confidence: float = 0.95
+    ) -> Estimate:
+        """
+        Estimate quantiles, with intervals that assume no distribution.
+
+        The interval lies between two order statistics: the number of runs below a quantile is
+        binomial, whatever the distribution (David and Nagaraja, *Order Statistics*, 7.1).
+
+        Parameters
+        ----------
+        quantity : str
+            One of "max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration".
+        probability : array_like, shape (k,), or float
+            Share of the runs below, between 0 and 1 [-].
+        confidence : float
+            Least probability with which an interval holds the true quantile [-].
+
+        Returns
+        -------
+        Estimate
+            A row a probability, a column a gear or station.
+
+        Raises
+        ------
+        InputError
+            If the quantity is unknown or a probability is not between 0 and 1.
+
+        Examples
+        --------
+        >>> import numpy as np, runway_modal as rm
+        >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+        >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
+        >>> ensemble.quantile("max_load", [0.5, 0.999]).high[:, 0].round(-2)
+        array([9500.,   inf])
+        """
+        values = self._sorted(quantity)
+        runs = values.shape[0]
+        asked = np.atleast_1d(_shares("probability", probability))
+        tail = (1.0 - float(_shares("confidence", confidence))) / 2.0
+        bounded = np.concatenate(
+            (np.full_like(values[:1], -np.inf), values, np.full_like(values[:1], np.inf))
+        )
+        ranks = np.array([_ranks(runs, float(p), tail) for p in asked])
+        return Estimate(
+            value=read_only(np.quantile(values, asked, axis=0)),
+            low=read_only(bounded[ranks[:, 0]]),
+            high=read_only(bounded[ranks[:, 1]]),
+        )
+
+    def exceedance(self, quantity: str, level: ArrayLike, *, confidence: float = 0.95) -> Estimate:
+        """
+        Estimate the probability that a run exceeds a level.
+
+        The interval is Wilson's (1927): the levels' true probabilities for which the share of
+        the runs seen above would not be surprising.
+
+        Parameters
+        ----------
+        quantity : str
+            One of "max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration".
+        level : array_like, shape (k,), or float
+            Levels, in the unit of the quantity.
+        confidence : float
+            Probability with which an interval holds the true one, nearly [-].
+
+        Returns
+        -------
+        Estimate
+            A row a level, a column a gear or station.
+
+        Raises
+        ------
+        InputError
+            If the quantity is unknown or a level is not a number.
+
+        Examples
+        --------
+        >>> import numpy as np, runway_modal as rm
+        >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+        >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
+        >>> ensemble.exceedance("max_load", 10_000.0).value.round(2)
+        array([[0., 1., 1.]])
+        """
+        values = self._sorted(quantity)
+        runs = values.shape[0]
+        levels = np.atleast_1d(array("level", np.atleast_1d(any_array("level", level))))
+        if np.isnan(levels).any():
+            raise InputError(f"level[{int(np.flatnonzero(np.isnan(levels))[0])}] = nan")
+        share = np.array(
+            [
+                [1.0 - np.searchsorted(c, one, side="right") / runs for c in values.T]
+                for one in levels
+            ]
+        )
+        z = NormalDist().inv_cdf(0.5 + float(_shares("confidence", confidence)) / 2.0)
+        centre = (share + z * z / (2 * runs)) / (1 + z * z / runs)
+        half = z / (1 + z * z / runs) * np.sqrt(share * (1 - share) / runs + (z / (2 * runs)) ** 2)
+        return Estimate(
+            value=read_only(share),
+            low=read_only(np.clip(centre - half, 0.0, share)),
+            high=read_only(np.clip(centre + half, share, 1.0)),
+        )
+
+    def worst(self, gear: str, count: int = 10) -> NDArray[np.int64]:
+        """
+        Name the runs with the largest loads of a gear, worst first.
+
+        Parameters
+        ----------
+        gear : str
+            Name of the gear.
+        count : int
+            How many runs.
+
+        Returns
+        -------
+        ndarray, shape (count,)
+            Run numbers; fewer if there are fewer runs.
+
+        Raises
+        ------
+        InputError
+            If there is no such gear.
+
+        Examples
+        --------
+        >>> import numpy as np, runway_modal as rm
+        >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+        >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
+        >>> run = ensemble.worst("left", 1)[0]
+        >>> bool(ensemble.max_load[run, 1] == ensemble.max_load[:, 1].max())
+        True
+        """
+        if gear not in self.gear_names:
+            raise InputError(f"gear = {gear!r}: no such gear; there are {self.gear_names}")
+        loads = self.max_load[self.valid, self.gear_names.index(gear)]
+        order = np.argsort(-loads, kind="stable")[: int(number("count", count))]
+        return np.asarray(self.run[self.valid][order])
+
+    def to_pandas(self) -> pd.DataFrame:
+        """
+        Give a table, a row a run.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by run number; columns such as ``max_load nose``.
+
+        Raises
+        ------
+        ImportError
+            If pandas is missing; the extra ``tables`` brings it.
+
+        Examples
+        --------
+        >>> import numpy as np, runway_modal as rm
+        >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+        >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
+        >>> ensemble.to_pandas().shape
+        (50, 12)
+        """
+        try:
+            import pandas as pd
+        except ImportError as error:
+            raise ImportError(
+                "to_pandas needs pandas: pip install 'runway_modal[tables]'"
+            ) from error
+        columns: dict[str, NDArray[np.float64]] = {"speed": self.speed}
+        for quantity in _QUANTITIES:
+            values = getattr(self, quantity)
+            if isinstance(values, dict):
+                columns |= {f"{quantity} {name}": column for name, column in values.items()}
+            else:
+                pairs = zip(self.gear_names, values.T, strict=True)
+                columns |= {f"{quantity} {name}": column for name, column in pairs}
+        return pd.DataFrame(columns, index=pd.Index(self.run, name="run"))
+
+    def __len__(self) -> int:
+        """Count the runs."""
+        return int(self.run.size)
+
+    def __repr__(self) -> str:
+        """Say how many runs, which gears, how many failures."""
+        failed = f"{len(self.failures)} failed" if self.failures else "none failed"
+        return f"<Ensemble: {len(self)} runs, gears {', '.join(self.gear_names)}, {failed}>"
+
+
+def simulate_many(
+    modes: Modes | Sequence[Modes],
+    elevations: ArrayLike,
+    spacing: float,
+    speed: ArrayLike,
+    *,
+    damping_input: bool = False,
+    on_error: Literal["raise", "mask"] = "raise",
+    first_run: int = 0,
+) -> Ensemble:
+    """
+    Roll an aircraft over many equally spaced profiles; exact in continuous time, like `simulate`.
+
+    Nothing but extremes and mean squares is kept. They run from t = 0, when the foremost gear
+    is at the first station, until the last gear passes the last station. Extremes are true, found
+    between stations too, and mean squares are integrals in closed form. A gear's distance behind
+    the foremost one may be any share of the spacing. A run gives the same bits alone, in any
+    batch and on any number of threads (as many as cores; the environment variable
+    ``RAYON_NUM_THREADS`` says otherwise).
+
+    Parameters
+    ----------
+    modes : Modes or sequence of Modes
+        One for all runs, or one a run, of aircraft with the same gear and station names.
+    elevations : array_like, shape (n, t, s)
+        Elevations of n runs at s stations, first one at 0: t = 1 track under all gears, or one
+        a gear in the aircraft's order. float64 or float32, which is computed with in float64
+        [length].
+    spacing : float
+        Distance between stations, > 0 [length].
+    speed : float or array_like, shape (n,)
+        Ground speed, one for all runs or one a run, > 0 [length/time].
+    damping_input : bool
+        Whether the gears' dampers take part in the ground input and the loads, as in `simulate`.
+    on_error : {"raise", "mask"}
+        What to do about runs whose elevations are not finite: raise for the first, or keep the
+        others and mark these by NaN and in `Ensemble.failures`.
+    first_run : int
+        Number of the first run.
+
+    Returns
+    -------
+    Ensemble
+        A row a run.
+
+    Raises
+    ------
+    InputError
+        If an argument is of the wrong kind, shape or range.
+    NumericalError
+        If a result leaves the range of double precision.
+
+    Examples
+    --------
+    >>> import numpy as np, runway_modal as rm
+    >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+    >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
+    >>> ensemble.max_load.mean(axis=0).round(-2)
+    array([ 9500., 26900., 26900.])
+    """
+    each = [modes] if isinstance(modes, Modes) else list(modes)
+    given = _elevations(elevations)
+    runs, tracks, count = given.shape
+    _check_modes(each, one=isinstance(modes, Modes), runs=runs)
+    if not isinstance(damping_input, bool | np.bool_):
+        raise InputError(f"damping_input = {damping_input!r} is not True or False")
+    if on_error not in ("raise", "mask"):
+        raise InputError(f'on_error = {on_error!r} is neither "raise" nor "mask"')
+    speeds = any_array("speed", speed)
+    if speeds.ndim == 0:
+        speeds = np.array([number("speed", speed)])
+    else:
+        speeds = array("speed", speeds)
+        if speeds.size != runs:
+            raise InputError(f"speed has {speeds.size} entries, {runs} expected (one a run)")
+    names = list(each[0].aircraft.stations)
+    h = number("spacing", spacing)
+    results, failed = _core.simulate_many(
+        [one._core for one in each],
+        given,
+        h,
+        speeds.tolist(),
+        [np.array(list(one.aircraft.stations.values())) for one in each],
+        bool(damping_input),
+        on_error == "mask",
+    )
+    max_load, min_load, rms_load, max_acceleration, rms_acceleration = map(read_only, results)
+    aircraft = each[0].aircraft
+    setup = {
+        "gears": aircraft.gear_names,
+        "stations": tuple(names),
+        "modes": _identity(each[0]) if isinstance(modes, Modes) else "one a run",
+        "tracks": tracks,
+        "count of stations": count,
+        "spacing": h,
+        "damping_input": bool(damping_input),
+    }
+    static = np.stack([one.aircraft.static_load for one in each])
+    return Ensemble(
+        gear_names=aircraft.gear_names,
+        setup=setup,
+        run=_frozen(np.arange(first_run, first_run + runs, dtype=np.int64)),
+        speed=np.broadcast_to(speeds, (runs,)),
+        static_load=np.broadcast_to(static, max_load.shape),
+        max_load=max_load,
+        min_load=min_load,
+        rms_load=rms_load,
+        max_acceleration={name: max_acceleration[:, i] for i, name in enumerate(names)},
+        rms_acceleration={name: rms_acceleration[:, i] for i, name in enumerate(names)},
+        failures={first_run + run: reason for run, reason in failed},
+    )
+
+
+def _frozen(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    numbers.flags.writeable = False
+    return numbers
+
+
+def _elevations(values: ArrayLike) -> NDArray[Any]:
+    """Elevations as a C-ordered array of three dimensions, float32 or float64."""
+    given = any_array("elevations", values)
+    if given.dtype.kind not in "biuf":
+        raise InputError(f"elevations holds {given.dtype}, not real numbers")
+    if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
+        index = [int(i) for i in np.argwhere(np.ma.getmaskarray(given))[0]]
+        raise InputError(f"elevations{index} is masked")
+    if given.ndim != 3 or 0 in given.shape:
+        raise InputError(
+            f"elevations has shape {given.shape}; runs, tracks and stations expected, none 0"
+        )
+    single = given.dtype == np.float32
+    return np.ascontiguousarray(given, dtype=np.float32 if single else np.float64)
+
+
+def _check_modes(each: list[Modes], *, one: bool, runs: int) -> None:
+    """Check that each is a Modes, and all are of aircraft with the same names."""
+    if not one and len(each) != runs:
+        raise InputError(f"modes has {len(each)} entries, {runs} expected (one a run)")
+    for i, modes in enumerate(each):
+        if not isinstance(modes, Modes):
+            raise InputError(f"modes[{i}] = {modes!r} is not a Modes; see Aircraft.modes")
+        for kind in ("gear_names", "stations"):
+            first, other = (tuple(getattr(m.aircraft, kind)) for m in (each[0], modes))
+            if first != other:
+                raise InputError(f"modes[{i}]: {kind} {other} differ from {first} of modes[0]")
+
+
+def _identity(modes: Modes) -> tuple[Any, ...]:
+    """Numbers that tell one set of modes from another."""
+    aircraft = modes.aircraft
+    gears = tuple((gear.x, gear.y, gear.stiffness, gear.damping) for gear in aircraft.gears)
+    numbers = (modes.omega, modes.damping_ratio, modes.shapes, aircraft.static_load)
+    stations = tuple(aircraft.stations.values())
+    return (gears, stations, *(tuple(values.ravel().tolist()) for values in numbers))
+
+
+def _shares(argument: str, values: ArrayLike) -> NDArray[np.float64]:
+    """Pass numbers strictly between 0 and 1."""
+    given = np.asarray(any_array(argument, values), dtype=np.float64)
+    for index, value in np.ndenumerate(given):
+        if not 0.0 < value < 1.0:
+            where = f"[{index[0]}]" if index else ""
+            raise InputError(f"{argument}{where} = {float(value)!r} is not between 0 and 1")
+    return given
+
+
+def _ranks(runs: int, probability: float, tail: float) -> tuple[int, int]:
+    """
+    Ranks of the order statistics between which a quantile lies, but for `tail` on either side.
+
+    Rank 0 stands for -inf, rank `runs` + 1 for inf. Of B runs below the quantile, binomial, the
+    lower rank r is the largest with P(B < r) <= tail, the upper the smallest with
+    P(B >= r) <= tail.
+    """
+    width = 12.0 * math.sqrt(runs * probability * (1.0 - probability)) + 40.0
+    first = max(0, int(runs * probability - width))
+    last = min(runs, int(runs * probability + width))
+    # Probabilities of first .. last runs, from their ratios; what lies outside is negligible.
+    k = np.arange(first + 1, last + 1)
+    ratios = np.log((runs - k + 1) / k) + math.log(probability) - math.log1p(-probability)
+    logs = np.concatenate(([0.0], np.cumsum(ratios)))
+    share = np.exp(logs - logs.max())
+    below = np.concatenate(([0.0], np.cumsum(share))) / share.sum()
+    above = np.concatenate((np.cumsum(share[::-1])[::-1], [0.0])) / share.sum()
+    low = first + int(np.flatnonzero(below <= tail)[-1])
+    high = first + int(np.flatnonzero(above <= tail)[0])
+    return low, high

@@ -1,0 +1,342 @@
+//! Many profiles at once: extremes and mean squares of every run, without its history.
+//!
+//! Stations are equally spaced, so every period, from one station under the foremost gears to the
+//! next, is like any other: see `setup`. Eight runs are marched side by side (`kernel`), blocks
+//! of eight on all threads. A run's results are the same bits whatever runs beside it.
+//!
+//! * True extremes: a block of periods whose values at the stations come close enough to a record,
+//!   by the bound of [`crate::extremes`], leaves its legs to be searched when the run is over; most
+//!   of them have been outdone by then (`records`).
+//! * Mean squares: on every leg ∫F² is a quadratic form of the state at the start of its period and
+//!   the rises under the gears. The forms are constant, so what is added up on the way are the
+//!   products of these numbers, whatever the number of outputs and whatever the damping.
+
+use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::error::{Error, Place, Result, finite, positive};
+use crate::modes::Modes;
+use crate::parallel;
+use crate::watch::Pulse;
+
+mod kernel;
+mod records;
+mod row;
+mod setup;
+
+use kernel::{Constants, March, PERIODS};
+pub use row::{RUNS, Row};
+use setup::{Setup, Stations};
+
+/// Largest elevation: as in a profile, its square must stay in double precision.
+const HIGHEST: f64 = 1e100;
+
+/// Where elevations come from.
+pub trait Source: Sync {
+    /// Reads them, for one thread at a time.
+    type Reader<'a>: Reader + Send
+    where
+        Self: 'a;
+
+    /// One more reader.
+    fn reader(&self) -> Self::Reader<'_>;
+}
+
+/// Gives the elevations of up to [`RUNS`] runs side by side.
+pub trait Reader {
+    /// Turns to `count` runs from `first` on.
+    fn open(&mut self, first: usize, count: usize);
+
+    /// Elevations of a track at so many stations from `first` on. Lanes without a run are to hold
+    /// finite numbers.
+    fn read(&mut self, track: usize, first: usize, out: &mut [Row]);
+}
+
+/// Elevations in memory, run by run, track by track.
+#[derive(Clone, Copy, Debug)]
+pub struct Memory<'a, T> {
+    elevations: &'a [T],
+    tracks: usize,
+    stations: usize,
+}
+
+impl<'a, T: Copy + Into<f64> + Sync> Memory<'a, T> {
+    /// Elevations of shape (runs, tracks, stations).
+    ///
+    /// # Panics
+    /// If they are not a whole number of runs.
+    #[must_use]
+    pub fn new(elevations: &'a [T], tracks: usize, stations: usize) -> Self {
+        assert_eq!(elevations.len() % (tracks * stations), 0);
+        Self { elevations, tracks, stations }
+    }
+
+    /// Why a run gave no finite result: its first elevation that is not finite or out of range.
+    #[must_use]
+    pub fn fault(&self, run: usize) -> Error {
+        let size = self.tracks * self.stations;
+        let fault = self.elevations[run * size..][..size].iter().enumerate().find_map(|(i, &value)| {
+            let place = Place::station("elevations", run, i / self.stations, i % self.stations);
+            match finite(place, value.into()) {
+                Ok(value) if value.abs() > HIGHEST => {
+                    Some(Error::OutOfRange { place, value, why: "elevations up to 1e100 are allowed" })
+                }
+                Ok(_) => None,
+                Err(error) => Some(error),
+            }
+        });
+        fault.unwrap_or(Error::RunOverflow { run })
+    }
+}
+
+/// Reads elevations in memory.
+pub struct MemoryReader<'a, T> {
+    memory: Memory<'a, T>,
+    first: usize,
+    count: usize,
+}
+
+impl<T: Copy + Into<f64> + Sync> Source for Memory<'_, T> {
+    type Reader<'a>
+        = MemoryReader<'a, T>
+    where
+        Self: 'a;
+
+    fn reader(&self) -> MemoryReader<'_, T> {
+        MemoryReader { memory: *self, first: 0, count: 1 }
+    }
+}
+
+impl<T: Copy + Into<f64>> Reader for MemoryReader<'_, T> {
+    fn open(&mut self, first: usize, count: usize) {
+        (self.first, self.count) = (first, count);
+    }
+
+    fn read(&mut self, track: usize, first: usize, out: &mut [Row]) {
+        let Memory { elevations, tracks, stations } = self.memory;
+        let lanes: [&[T]; RUNS] = std::array::from_fn(|lane| {
+            // An idle lane repeats the last run.
+            let run = self.first + lane.min(self.count - 1);
+            &elevations[(run * tracks + track) * stations + first..][..out.len()]
+        });
+        for (i, row) in out.iter_mut().enumerate() {
+            for lane in 0..RUNS {
+                row[lane] = lanes[lane][i].into();
+            }
+        }
+    }
+}
+
+/// What many runs have in common, and what not.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// One for all runs, or one a run.
+    pub modes: Vec<Arc<Modes>>,
+    /// One for all runs, or one a run.
+    pub speed: Vec<f64>,
+    /// Tracks: one for all gears, or one a gear.
+    pub tracks: usize,
+    /// Stations of a track.
+    pub stations: usize,
+    /// Distance between them.
+    pub spacing: f64,
+    /// Points (x, y) of the body at which accelerations are wanted: a list for each of `modes`.
+    pub points: Vec<Vec<(f64, f64)>>,
+    /// Whether the gears' dampers take part in the ground input.
+    pub damping_input: bool,
+}
+
+/// Results of many runs: arrays of rows, a row a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// Largest load of each gear.
+    pub max_load: Vec<f64>,
+    /// Smallest load of each gear.
+    pub min_load: Vec<f64>,
+    /// Root mean square of each load less the static load.
+    pub rms_load: Vec<f64>,
+    /// Largest magnitude of the acceleration at each point.
+    pub max_acceleration: Vec<f64>,
+    /// Root mean square of the acceleration at each point.
+    pub rms_acceleration: Vec<f64>,
+    /// Runs that gave no finite result, ascending; their rows are NaN.
+    pub failed: Vec<usize>,
+}
+
+impl Statistics {
+    fn append(&mut self, mut other: Self) {
+        self.max_load.append(&mut other.max_load);
+        self.min_load.append(&mut other.min_load);
+        self.rms_load.append(&mut other.rms_load);
+        self.max_acceleration.append(&mut other.max_acceleration);
+        self.rms_acceleration.append(&mut other.rms_acceleration);
+        self.failed.append(&mut other.failed);
+    }
+}
+
+impl Plan {
+    fn check(&self, runs: usize) -> Result<()> {
+        let allowed = 1e-100..1e100;
+        if !allowed.contains(&positive("spacing", self.spacing)?) {
+            let place = Place::from("spacing");
+            return Err(Error::OutOfRange { place, value: self.spacing, why: "1e-100 to 1e100 is allowed" });
+        }
+        let why = "one for all runs, or one a run";
+        for (argument, found) in [("modes", self.modes.len()), ("speed", self.speed.len())] {
+            if found != 1 && found != runs {
+                return Err(Error::WrongLength { argument, found, expected: runs, why });
+            }
+        }
+        let (gears, points) = (self.gears(), self.points[0].len());
+        let why = "as many in all modes";
+        for (modes, of_modes) in self.modes.iter().zip(&self.points) {
+            for (argument, found, expected) in [
+                ("modes: gears", modes.aircraft().gears().len(), gears),
+                ("modes: stations", of_modes.len(), points),
+            ] {
+                if found != expected {
+                    return Err(Error::WrongLength { argument, found, expected, why });
+                }
+            }
+        }
+        for (i, &speed) in self.speed.iter().enumerate() {
+            let place = if self.speed.len() == 1 { Place::from("speed") } else { Place::at("speed", i) };
+            positive(place, speed)?;
+        }
+        if self.stations == 0 {
+            return Err(Error::TooShort { argument: "elevations", found: 0, least: 1 });
+        }
+        if self.tracks != 1 && self.tracks != gears {
+            let why = "tracks: one for all gears, or one a gear";
+            return Err(Error::WrongLength {
+                argument: "elevations[0]",
+                found: self.tracks,
+                expected: gears,
+                why,
+            });
+        }
+        Ok(())
+    }
+
+    fn setup(&self, run: usize) -> Result<Setup> {
+        let Self { tracks, stations: count, spacing, .. } = *self;
+        let stations = Stations { tracks, count, spacing };
+        let case = if self.modes.len() == 1 { 0 } else { run };
+        let speed = self.speed[if self.speed.len() == 1 { 0 } else { run }];
+        Setup::new(&self.modes[case], stations, speed, &self.points[case], self.damping_input)
+    }
+
+    /// Gears of the aircraft.
+    #[must_use]
+    pub fn gears(&self) -> usize {
+        self.modes[0].aircraft().gears().len()
+    }
+
+    /// Whether all runs are set up alike.
+    fn is_single(&self) -> bool {
+        self.modes.len() == 1 && self.speed.len() == 1
+    }
+}
+
+/// Runs all profiles of a source.
+///
+/// # Errors
+/// A plan that cannot be run, or what `pulse` gives.
+pub fn simulate(plan: &Plan, runs: usize, source: &impl Source, pulse: Pulse) -> Result<Statistics> {
+    plan.check(runs)?;
+    let shared = if plan.is_single() { Some(Lot::new(vec![plan.setup(0)?])) } else { None };
+    let blocks: Vec<Range<usize>> =
+        (0..runs).step_by(RUNS).map(|first| first..(first + RUNS).min(runs)).collect();
+    // A worker at a time is one thread's; what it has made serves the next block.
+    let idle = Mutex::new(Vec::new());
+    let spare = || idle.lock().unwrap_or_else(PoisonError::into_inner);
+    let parts = parallel::map(blocks.len(), pulse, |index, pulse| {
+        let ready = spare().pop();
+        let mut worker = ready.unwrap_or_else(|| Worker {
+            plan,
+            reader: source.reader(),
+            march: shared.as_ref().map(Lot::march),
+        });
+        let found = worker.block(blocks[index].clone(), pulse)?;
+        spare().push(worker);
+        Ok(found)
+    })?;
+    let mut all = Statistics::default();
+    for part in parts {
+        all.append(part);
+    }
+    Ok(all)
+}
+
+/// Runs that march side by side: set up alike, or each in its own way.
+struct Lot {
+    setups: Vec<Setup>,
+    constants: Constants,
+}
+
+impl Lot {
+    fn new(setups: Vec<Setup>) -> Self {
+        Self { constants: Constants::new(&setups), setups }
+    }
+
+    fn march(&self) -> March<'_> {
+        March::new(&self.setups, &self.constants)
+    }
+}
+
+/// One thread's tools.
+struct Worker<'a, R> {
+    plan: &'a Plan,
+    reader: R,
+    /// Of runs that are all set up alike.
+    march: Option<March<'a>>,
+}
+
+impl<R: Reader> Worker<'_, R> {
+    fn block(&mut self, runs: Range<usize>, pulse: Pulse) -> Result<Statistics> {
+        let Self { plan, reader, march } = self;
+        let mut found = Statistics::default();
+        if let Some(march) = march {
+            march_over(plan, march, reader, runs, &mut found, pulse)?;
+            return Ok(found);
+        }
+        let mut setups: Vec<Setup> = runs.clone().map(|run| plan.setup(run)).collect::<Result<_>>()?;
+        let mut first = runs.start;
+        while !setups.is_empty() {
+            // Runs march side by side as far as their stations fall alike.
+            let layout = Arc::clone(&setups[0].layout);
+            let alike = setups.iter().take_while(|setup| setup.layout == layout).count();
+            let others = setups.split_off(alike);
+            let lot = Lot::new(setups);
+            march_over(plan, &mut lot.march(), reader, first..first + alike, &mut found, pulse)?;
+            (setups, first) = (others, first + alike);
+        }
+        Ok(found)
+    }
+}
+
+/// Runs up to [`RUNS`] profiles side by side.
+fn march_over(
+    plan: &Plan,
+    march: &mut March,
+    reader: &mut impl Reader,
+    runs: Range<usize>,
+    found: &mut Statistics,
+    pulse: Pulse,
+) -> Result<()> {
+    reader.open(runs.start, runs.len());
+    march.start(reader);
+    let periods = march.layout.periods;
+    for period in (0..periods).step_by(PERIODS) {
+        pulse()?;
+        march.block(reader, plan.stations, period, PERIODS.min(periods - period), false);
+    }
+    march.block(reader, plan.stations, periods, 1, true);
+    for (lane, run) in runs.enumerate() {
+        if !march.is_finite(lane) {
+            found.failed.push(run);
+        }
+        march.read(lane, found);
+    }
+    Ok(())
+}

@@ -1,0 +1,112 @@
+//! The records of runs side by side, and the stretches that may yet break them.
+
+use super::row::{RUNS, Row};
+use super::setup::Setup;
+use crate::extremes::{Extreme, Output};
+use crate::readout::Line;
+use crate::transition::{Drive, State};
+
+/// Stretches kept for one record before those that no longer matter are thrown out.
+const MANY: usize = 32;
+
+/// A leg on which an output may exceed what it has reached at the ends of legs.
+#[derive(Clone, Copy)]
+pub(super) struct Candidate {
+    pub bound: f64,
+    pub leg: usize,
+    pub state: State,
+    pub drive: Drive,
+    /// The straight-line part at its start, and how much it grows.
+    pub start: f64,
+    pub growth: f64,
+}
+
+/// One output of all runs: the largest values of F and of −F at the ends of legs, and what may
+/// exceed them in between.
+struct Record {
+    best: [Row; 2],
+    candidates: [[Vec<Candidate>; RUNS]; 2],
+}
+
+/// Records of all outputs. Of an acceleration only the magnitude counts.
+pub(super) struct Records {
+    loads: usize,
+    records: Vec<Record>,
+}
+
+impl Records {
+    pub fn new(loads: usize, outputs: usize) -> Self {
+        let record = || Record {
+            best: [Row::all(f64::NEG_INFINITY); 2],
+            candidates: std::array::from_fn(|_| std::array::from_fn(|_| Vec::new())),
+        };
+        Self { loads, records: (0..outputs).map(|_| record()).collect() }
+    }
+
+    pub fn restart(&mut self) {
+        for record in &mut self.records {
+            record.best = [Row::all(f64::NEG_INFINITY); 2];
+            record.candidates.iter_mut().flatten().for_each(Vec::clear);
+        }
+    }
+
+    /// Takes in the largest and smallest values of some more ends of legs.
+    #[inline(always)]
+    pub fn see(&mut self, output: usize, top: Row, bottom: Row) {
+        let [high, low] = &mut self.records[output].best;
+        (*high, *low) = (high.max(top), low.max(Row::ZERO - bottom));
+        if output >= self.loads {
+            let magnitude = high.max(*low);
+            (*high, *low) = (magnitude, magnitude);
+        }
+    }
+
+    /// Whether any run may break a record somewhere between ends with these values.
+    #[inline(always)]
+    pub fn may_hold(&self, output: usize, top: Row, bottom: Row, bulge: Row) -> bool {
+        let [high, low] = self.records[output].best;
+        (top + bulge).above(high) | (bulge - bottom).above(low) != 0
+    }
+
+    /// Largest values of F and of −F.
+    #[inline(always)]
+    pub fn best(&self, output: usize) -> [Row; 2] {
+        self.records[output].best
+    }
+
+    /// Keeps a stretch for later: by then most will have been outdone.
+    pub fn keep(&mut self, output: usize, side: usize, lane: usize, candidate: Candidate) {
+        let Record { best, candidates } = &mut self.records[output];
+        let (best, list) = (best[side][lane], &mut candidates[side][lane]);
+        if list.len() >= MANY && list.len().is_power_of_two() {
+            list.retain(|candidate| candidate.bound > best);
+        }
+        list.push(candidate);
+    }
+
+    /// True maximum and minimum of an output of one run; of an acceleration, ± its magnitude.
+    pub fn settle(&mut self, setup: &Setup, output: usize, lane: usize, search: &mut Output) -> (f64, f64) {
+        let Record { best, candidates } = &mut self.records[output];
+        let magnitude = output >= self.loads;
+        search.record =
+            Extreme { max: best[0][lane], time_of_max: 0.0, min: -best[1][lane], time_of_min: 0.0 };
+        for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+            let list = &mut candidates[side][lane];
+            list.sort_unstable_by(|a, b| b.bound.total_cmp(&a.bound));
+            for Candidate { bound, leg, state, drive, start, growth, .. } in list.drain(..) {
+                let (max, min) = (search.record.max, -search.record.min);
+                let record = if magnitude { max.max(min) } else { [max, min][side] };
+                if bound <= record {
+                    break;
+                }
+                let h = setup.dt[leg];
+                search.line = Line { start, rate: growth / h };
+                let end = setup.transition[leg].apply(&state, &drive);
+                let bank = (&setup.bank, &*setup.lengths);
+                search.search(bank, (&state, &end), &drive, (0.0, 0.0, h), &[(sign, bound)]);
+            }
+            list.clear();
+        }
+        (search.record.max, search.record.min)
+    }
+}

@@ -1,0 +1,433 @@
+//! What modes, speed and spacing make of every period alike.
+//!
+//! A period lasts from one station under the foremost gears to the next. Each group of gears (one
+//! track, one lag) meets exactly one station in it, always at the same share of it; between these
+//! instants lie the legs of a period, on which every slope is constant.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::distance::Distance;
+use crate::error::{Error, Place, Result};
+use crate::extremes::{Lengths, Output};
+use crate::lanes::Lanes;
+use crate::modes::Modes;
+use crate::profile::Profile;
+use crate::readout::{Form, Quantity};
+use crate::run::Run;
+use crate::transition::{Oscillators, Transition};
+
+/// Modes of a rigid aircraft.
+pub(super) const MODES: usize = 3;
+
+/// Share of a spacing within which a lag is a whole number of them, as in a run (`run::lag`).
+const HARMLESS: f64 = 1e-13;
+
+/// More spacings than this between two gears are a slip in the units.
+const LONGEST_LAG: f64 = 1e12;
+
+/// Nodes of Gauss's rule on (−1, 1), one half, with their weights: exact to double precision over a
+/// radian of the stiffest mode.
+const GAUSS: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_47),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
+];
+
+/// Where the stations of a group of gears fall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Group {
+    /// Whose elevations it meets.
+    pub track: usize,
+    /// Periods that it is behind the foremost gears.
+    pub whole: usize,
+    /// Leg that begins at its stations.
+    pub leg: usize,
+}
+
+/// What runs side by side must have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Layout {
+    /// In the order of their legs.
+    pub groups: Vec<Group>,
+    /// The group above whose elevation those of the others count.
+    pub datum: usize,
+    /// Legs of a period.
+    pub legs: usize,
+    /// Periods until the last gear is in that of its last station, and legs left in that.
+    pub periods: usize,
+    pub tail: usize,
+    /// Loads come first among the outputs, then accelerations.
+    pub loads: usize,
+    /// Whether the dampers take part in the ground input, so that outputs may jump.
+    pub damped: bool,
+    /// Outputs into which velocities enter.
+    pub by_rate: Vec<bool>,
+    /// Whether slopes or elevations enter an output.
+    pub lines: bool,
+    /// Whether elevations do.
+    pub heights: bool,
+}
+
+impl Layout {
+    /// Groups that meet their stations inside a period.
+    pub fn inner(&self) -> impl Iterator<Item = usize> {
+        (0..self.groups.len()).filter(|&group| self.groups[group].leg > 0)
+    }
+
+    /// Rows of a period: modal state, rises after the groups' stations, rises before those inside
+    /// the period, heights and first elevations.
+    pub fn rows(&self) -> usize {
+        let groups = self.groups.len();
+        2 * MODES + groups + self.inner().count() + if self.heights { 2 * groups } else { 0 }
+    }
+}
+
+/// One output: its form with what the constants of a period add.
+#[derive(Clone)]
+pub(super) struct Reading {
+    pub output: Output,
+    /// Weights of the rises over a spacing, one a group.
+    pub rise: Vec<f64>,
+    /// Weights of heights and of first elevations, one a group.
+    pub height: Vec<f64>,
+    pub first: Vec<f64>,
+    /// Rate of the straight-line part over a leg per rise.
+    pub rate: Vec<f64>,
+    /// Weights of |d|, |ẏ/ω| and of the groups' rises before and after their stations in a bound on
+    /// the bulge of the output above its values at the ends of any leg; the same for its swing.
+    pub bulge: [Bound; 2],
+    /// Weights of the products of a period's rows, lower triangle, in ∫F² over a period and over the
+    /// tail.
+    pub square: [Vec<f64>; 2],
+}
+
+/// See [`Reading::bulge`].
+#[derive(Clone)]
+pub(super) struct Bound {
+    pub state: [Lanes; 2],
+    pub after: Vec<f64>,
+    pub before: Vec<f64>,
+}
+
+impl Bound {
+    fn scaled(mut self, scale: f64) -> Self {
+        self.state = self.state.map(|weights| weights * scale);
+        self.after.iter_mut().chain(&mut self.before).for_each(|weight| *weight *= scale);
+        self
+    }
+}
+
+/// All that the runs of one set-up share.
+#[derive(Clone)]
+pub(super) struct Setup {
+    pub layout: Arc<Layout>,
+    /// Share of a period at which each leg begins, and each group meets its station.
+    pub begin: Vec<f64>,
+    pub part: Vec<f64>,
+    pub dt: Vec<f64>,
+    pub transition: Vec<Transition>,
+    /// Rates of the static position ÷ ω and forces ÷ ω² per rise over a spacing, one a group.
+    pub climb: Vec<Lanes>,
+    pub drag: Vec<Lanes>,
+    pub bank: Oscillators,
+    pub lengths: Arc<Lengths>,
+    pub readings: Vec<Reading>,
+    pub static_load: Vec<f64>,
+    /// How long the statistics run.
+    pub duration: f64,
+}
+
+/// A runway's grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stations {
+    pub tracks: usize,
+    pub count: usize,
+    pub spacing: f64,
+}
+
+/// Whole spacings of a lag, and the rest.
+fn split(lag: Distance, spacing: f64) -> Result<(usize, f64)> {
+    let count = lag.nearest() / spacing;
+    if count > LONGEST_LAG {
+        let why = "more than 1e12 of them between two gears";
+        return Err(Error::OutOfRange { place: Place::from("spacing"), value: spacing, why });
+    }
+    let rest = |whole: f64| lag.minus(Distance::product(whole, spacing));
+    let whole = count.floor() + (rest(count.floor()) / spacing).floor();
+    let harmless = HARMLESS * spacing;
+    match rest(whole) {
+        over if over >= spacing - harmless => Ok((whole as usize + 1, 0.0)),
+        over if over <= harmless => Ok((whole as usize, 0.0)),
+        over => Ok((whole as usize, over)),
+    }
+}
+
+impl Setup {
+    pub fn new(
+        modes: &Arc<Modes>,
+        stations: Stations,
+        speed: f64,
+        points: &[(f64, f64)],
+        damping_input: bool,
+    ) -> Result<Self> {
+        let Stations { tracks, count, spacing } = stations;
+        // The run over a profile that stands for all: its grid, and first elevations of zero.
+        let last = (count.max(2) - 1) as f64 * spacing;
+        let (x, z) = if count > 2 {
+            (vec![0.0, spacing, last], vec![0.0, spacing, 0.0])
+        } else {
+            (vec![0.0, spacing], vec![0.0, spacing])
+        };
+        let profiles: Vec<Arc<Profile>> =
+            (0..tracks).map(|_| Ok(Arc::new(Profile::new(x.clone(), z.clone())?))).collect::<Result<_>>()?;
+        let gears = modes.aircraft().gears().len();
+        let of_gear: Vec<Arc<Profile>> =
+            (0..gears).map(|gear| Arc::clone(&profiles[if tracks == 1 { 0 } else { gear }])).collect();
+        let run = Run::new(Arc::clone(modes), &of_gear, speed, damping_input)?;
+
+        let lags = run.tracks.iter().map(|track| split(track.lag, spacing)).collect::<Result<Vec<_>>>()?;
+        let mut rests: Vec<f64> = lags.iter().map(|&(_, rest)| rest).collect();
+        rests.sort_by(f64::total_cmp);
+        rests.dedup_by(|later, earlier| *later - *earlier <= HARMLESS * spacing);
+        let leg_of = |rest: f64| rests.iter().rposition(|&begin| begin <= rest).unwrap_or(0);
+        let in_order: Vec<Group> = run
+            .tracks
+            .iter()
+            .zip(&lags)
+            .map(|(track, &(whole, rest))| {
+                let source = profiles.iter().position(|profile| Arc::ptr_eq(profile, &track.profile));
+                Group { track: source.unwrap_or(0), whole, leg: leg_of(rest) }
+            })
+            .collect();
+        let mut order: Vec<usize> = (0..in_order.len()).collect();
+        order.sort_by_key(|&track| in_order[track].leg);
+        let groups: Vec<Group> = order.iter().map(|&track| in_order[track]).collect();
+        let behind = groups.iter().map(|group| (group.whole, group.leg)).max().unwrap_or((0, 0));
+        let lag = run
+            .tracks
+            .iter()
+            .map(|track| track.lag)
+            .fold(Distance::sum(0.0, 0.0), |a, b| if a.shorter(b) == a { b } else { a });
+        let end = Distance::product((count - 1) as f64, spacing);
+        let duration = (lag.minus(Distance::sum(0.0, 0.0)) + end.nearest()) / speed;
+
+        let ends = rests.iter().skip(1).copied().chain([spacing]);
+        let dt: Vec<f64> = rests.iter().zip(ends).map(|(begin, end)| (end - begin) / speed).collect();
+        let bank = run.oscillators.clone();
+        let lengths = Lengths::new(&bank);
+        let loads = Form::all(&run, &Quantity::Load);
+        let accelerations = Form::all(&run, &Quantity::Acceleration(points.to_vec()));
+        let forms: Vec<Form> = loads.iter().chain(&accelerations).cloned().collect();
+        let any = |weights: &[f64]| weights.iter().any(|&weight| weight != 0.0);
+        let layout = Layout {
+            legs: rests.len(),
+            periods: count - 1 + behind.0,
+            tail: behind.1,
+            loads: loads.len(),
+            damped: damping_input,
+            by_rate: forms.iter().map(|form| any(&form.v.0)).collect(),
+            lines: forms.iter().any(Form::has_line),
+            heights: forms.iter().any(|form| any(&form.height) || any(&form.first)),
+            datum: order.iter().position(|&track| track == 0).unwrap_or(0),
+            groups,
+        };
+        let per_rise = |rate: Lanes| rate * (1.0 / spacing);
+        let mut setup = Self {
+            begin: rests.iter().map(|rest| rest / spacing).collect(),
+            part: layout.groups.iter().map(|group| rests[group.leg] / spacing).collect(),
+            transition: dt.iter().map(|&dt| bank.over(dt)).collect(),
+            climb: order.iter().map(|&track| per_rise(run.tracks[track].climb)).collect(),
+            drag: order.iter().map(|&track| per_rise(run.tracks[track].drag * speed)).collect(),
+            static_load: modes.aircraft().static_load().to_vec(),
+            readings: Vec::new(),
+            lengths: Arc::new(lengths),
+            layout: Arc::new(layout),
+            dt,
+            bank,
+            duration,
+        };
+        setup.readings = forms.into_iter().map(|form| setup.reading(form, &order, speed / spacing)).collect();
+        setup.integrate();
+        Ok(setup)
+    }
+
+    /// `order`: the run's tracks as groups; `pace`: spacings a time unit.
+    fn reading(&self, form: Form, order: &[usize], pace: f64) -> Reading {
+        // Heights: that of the first track grows with its rise, the others with their own less that.
+        let mut rate = form.height.clone();
+        rate[0] -= form.height[1..].iter().sum::<f64>();
+        let of_groups =
+            |weights: &[f64], scale: f64| order.iter().map(|&track| weights[track] * scale).collect();
+        let (rise, rate) = (of_groups(&form.rate, pace), of_groups(&rate, pace));
+        let (height, first) = (of_groups(&form.height, 1.0), of_groups(&form.first, 1.0));
+        let output = Output::new(form, &self.bank);
+        let longest = self.dt.iter().copied().fold(0.0, f64::max);
+        let by_bend = self.bend(&output);
+        let by_swing = self.bound([Lanes::ZERO; 2], self.lengths.reach(output.amplitude));
+        let bulge = [by_bend.scaled(longest * longest / 8.0), by_swing.scaled(2.0)];
+        Reading { rise, height, first, rate, bulge, square: [Vec::new(), Vec::new()], output }
+    }
+
+    /// A bound on |F″| over all legs of a period.
+    ///
+    /// Through lengths, as in [`crate::extremes`], except for modes that oscillate slowly beside a
+    /// period. Their F″ hangs on a = p̈ ÷ −ω², which is continuous, and hardly on the rate, which
+    /// follows every slope: |a| is at most what it is at the start of the period and what it gains.
+    fn bend(&self, output: &Output) -> Bound {
+        let period: f64 = self.dt.iter().sum();
+        let crude = self.lengths.reach(output.second);
+        let (mut state, mut lengths) = ([Lanes::ZERO; 2], crude);
+        for mode in 0..MODES {
+            let two_zeta = self.bank.two_zeta[mode];
+            let gain = self.bank.omega[mode] * period * (1.0 + two_zeta + two_zeta * two_zeta);
+            if gain > 0.5 || two_zeta > 1.0 || self.layout.damped {
+                continue;
+            }
+            // y and ẏ/ω as a and ẏ/ω.
+            let [y, w] = output.bend.map(|weights| weights[mode]);
+            let (a, w) = (y.abs(), (w - two_zeta * y).abs());
+            (state[0][mode], state[1][mode]) = (a, a * two_zeta);
+            (lengths[0][mode], lengths[1][mode]) = (a * gain + w, a * gain + w);
+        }
+        self.bound(state, lengths)
+    }
+
+    /// state · (|d|, |ẏ/ω|) at the start of a period, and weights · lengths on any of its legs:
+    /// lengths do not grow on a leg, and at a station by no more than the steady position jumps.
+    fn bound(&self, state: [Lanes; 2], [y, w]: [Lanes; 2]) -> Bound {
+        let groups = &self.layout.groups;
+        let share = |group: usize| {
+            let (beta, gamma) = (self.climb[group].abs(), self.drag[group].abs());
+            y.dot(gamma + self.bank.two_zeta * beta) + w.dot(beta)
+        };
+        let inner = |group: usize| if groups[group].leg > 0 { 2.0 } else { 0.0 };
+        Bound {
+            state: [state[0] + y, state[1] + w],
+            after: (0..groups.len()).map(share).collect(),
+            before: (0..groups.len()).map(|group| inner(group) * share(group)).collect(),
+        }
+    }
+
+    /// Adds to the readings what holds for whole legs: values at their ends, squares.
+    fn integrate(&mut self) {
+        let (layout, groups) = (Arc::clone(&self.layout), self.layout.groups.len());
+        let select = self.selections();
+        let mut at = select[0].clone();
+        let rows = layout.rows();
+        let mut squares = vec![[DMatrix::zeros(rows, rows), DMatrix::zeros(rows, rows)]; self.readings.len()];
+        for leg in 0..layout.legs {
+            for (reading, squares) in self.readings.iter().zip(&mut squares) {
+                let square = at.transpose() * self.gramian(&self.functional(reading), self.dt[leg]) * &at;
+                squares[0] += &square;
+                if leg < layout.tail {
+                    squares[1] += square;
+                }
+            }
+            let after = self.matrix(self.dt[leg]) * &at;
+            if leg + 1 < layout.legs {
+                at = after;
+                let rises = 2 * MODES..2 * MODES + groups;
+                for row in rises {
+                    at.set_row(row, &select[leg + 1].row(row));
+                }
+            }
+        }
+        for (reading, squares) in self.readings.iter_mut().zip(squares) {
+            reading.square = squares.map(|square| {
+                let twice = |row: usize, column: usize| if row == column { 1.0 } else { 2.0 };
+                let entries = (0..rows).flat_map(|row| (0..=row).map(move |column| (row, column)));
+                entries.map(|at| twice(at.0, at.1) * square[at]).collect()
+            });
+        }
+    }
+
+    /// A leg's vector at its start, but for state and heights, from a period's rows: one a leg.
+    /// (Its vector: d, ẏ/ω, rises, heights, first elevations.)
+    fn selections(&self) -> Vec<DMatrix<f64>> {
+        let layout = &self.layout;
+        let groups = layout.groups.len();
+        let rows = layout.rows();
+        let inner: Vec<usize> = layout.inner().collect();
+        let extra = if layout.heights { 2 * groups } else { 0 };
+        let of_leg = |leg: usize| {
+            let mut select = DMatrix::zeros(2 * MODES + groups + extra, rows);
+            for state in 0..2 * MODES {
+                select[(state, state)] = 1.0;
+            }
+            for group in 0..groups {
+                let before =
+                    inner.iter().position(|&g| g == group).filter(|_| layout.groups[group].leg > leg);
+                let column = before.map_or(group, |place| groups + place);
+                select[(2 * MODES + group, 2 * MODES + column)] = 1.0;
+            }
+            for height in 0..extra {
+                select[(2 * MODES + groups + height, rows - extra + height)] = 1.0;
+            }
+            select
+        };
+        (0..layout.legs).map(of_leg).collect()
+    }
+
+    /// A reading on a leg's vector.
+    fn functional(&self, reading: &Reading) -> DVector<f64> {
+        let (Form { d, v, .. }, Reading { rise, height, first, .. }) = (&reading.output.form, reading);
+        let mut weights = [&d.0[..MODES], &v.0[..MODES], rise].concat();
+        if self.layout.heights {
+            weights.extend([&height[..], first].concat());
+        }
+        DVector::from_vec(weights)
+    }
+
+    /// Transition of a leg's vector over a time.
+    fn matrix(&self, time: f64) -> DMatrix<f64> {
+        let groups = self.layout.groups.len();
+        let size = 2 * MODES + groups + if self.layout.heights { 2 * groups } else { 0 };
+        let mut matrix = DMatrix::identity(size, size);
+        let Transition { g, s, w, h, .. } = self.bank.over(time);
+        for mode in 0..MODES {
+            let (d, v) = (mode, MODES + mode);
+            matrix[(d, d)] -= g[mode];
+            matrix[(d, v)] = s[mode];
+            matrix[(v, d)] = -s[mode];
+            matrix[(v, v)] -= w[mode];
+            for group in 0..groups {
+                let (beta, gamma) = (self.climb[group][mode], self.drag[group][mode]);
+                matrix[(d, 2 * MODES + group)] = g[mode] * gamma - h[mode] * beta;
+                matrix[(v, 2 * MODES + group)] = g[mode] * beta + s[mode] * gamma;
+            }
+        }
+        if self.layout.heights {
+            let period: f64 = self.dt.iter().sum();
+            for group in 0..groups {
+                let height = 2 * MODES + groups + group;
+                if group != self.layout.datum {
+                    matrix[(height, 2 * MODES + self.layout.datum)] -= time / period;
+                }
+                matrix[(height, 2 * MODES + group)] += time / period;
+            }
+        }
+        matrix
+    }
+
+    /// ∫ (form · transition)ᵀ (form · transition) over a leg: by Gauss's rule over a radian of the
+    /// stiffest mode, W(2t) = W(t) + E(t)ᵀ W(t) E(t) beyond.
+    fn gramian(&self, form: &DVector<f64>, time: f64) -> DMatrix<f64> {
+        let (doublings, mut time) = self.bank.halved(time);
+        let mut sum = DMatrix::zeros(form.len(), form.len());
+        for (node, weight) in GAUSS {
+            for node in [-node, node] {
+                let row = self.matrix(0.5 * time * (1.0 + node)).transpose() * form;
+                sum += (0.5 * time * weight) * &row * row.transpose();
+            }
+        }
+        for _ in 0..doublings {
+            let step = self.matrix(time);
+            sum += step.transpose() * &sum * step;
+            time *= 2.0;
+        }
+        sum
+    }
+}

@@ -1,0 +1,297 @@
+"""`simulate_many` against `simulate` run by run, quadrature, and itself in other batches."""
+
+import os
+import subprocess
+import sys
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.stats import binom
+
+import runway_modal as rm
+
+#: Relative to the largest load or acceleration.
+TOLERANCE = 1e-10
+
+MODES = rm.f4e().modes(0.01)
+
+
+def craft(random: np.random.Generator, gears: int) -> rm.Aircraft:
+    """Crooked aircraft; of three gears and more two may stand side by side."""
+    places = [(-40.0 + 250.0 * random.random() * (i % 2), 90.0 * (i - 1)) for i in range(gears)]
+    if gears <= 2:
+        places = [(0.0, 0.0), (200.0, 0.0)][:gears]
+    x = np.array([place[0] for place in places])
+    if gears == 2:
+        places = [(x - 50.0, 0.0) for x in x]
+    return rm.Aircraft(
+        mass=145.5,
+        pitch_inertia=1.92e6,
+        roll_inertia=6.56e5,
+        gears=[
+            rm.Gear(f"g{i}", *place, random.uniform(1500, 9000), random.uniform(0, 100))
+            for i, place in enumerate(places)
+        ],
+        stations={"pilot": (250.0, 10.0)},
+    )
+
+
+def one_by_one(
+    modes: rm.Modes, elevations: NDArray[np.float64], spacing: float, speed: float, damped: bool
+) -> rm.Response:
+    """The same run by `simulate`, from t = 0 until the last gear passes the last station."""
+    gears = modes.aircraft.gears
+    x = spacing * np.arange(elevations.shape[-1])
+    each = [rm.Profile(x, row.astype(float)) for row in elevations]
+    tracks = each * len(gears) if len(each) == 1 else each
+    lag = max(g.x for g in gears) - min(g.x for g in gears)
+    return rm.simulate(
+        modes,
+        each[0] if len(each) == 1 else dict(zip(modes.aircraft.gear_names, tracks, strict=True)),
+        speed,
+        times=[0.0, (x[-1] + lag) / speed],
+        damping_input=damped,
+    )
+
+
+def mean_squares(response: rm.Response, spacing: float, stations: int, speed: float):
+    """RMS of dynamic loads and accelerations by Gauss's rule between knots, at most a radian."""
+    gears = response.modes.aircraft.gears
+    front = max(g.x for g in gears)
+    knots = np.unique([(spacing * np.arange(stations) + front - g.x) / speed for g in gears])
+    knots = knots[np.concatenate(([True], np.diff(knots) > 1e-12 * knots[-1]))]
+    stiffest = (response.modes.omega * np.maximum(1.0, 2.0 * response.modes.damping_ratio)).max()
+    edges = [np.linspace(a, b, 2 + int((b - a) * stiffest))[:-1] for a, b in pairwise(knots)]
+    edges = np.concatenate([*edges, knots[-1:]])
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    middle, half = (edges[1:] + edges[:-1]) / 2, np.diff(edges) / 2
+    at = response.at((middle[:, None] + half[:, None] * nodes).ravel())
+    weights = (half[:, None] * weights).ravel() / knots[-1]
+    loads = np.sqrt(weights @ (at.load - response.static_load) ** 2)
+    return loads, {name: np.sqrt(weights @ a**2) for name, a in at.acceleration.items()}
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    gears=st.integers(1, 5),
+    single=st.booleans(),
+    stations=st.sampled_from([1, 2, 3, 31, 64, 150]),
+    spacing=st.sampled_from([2.0, 10.0, 37.3, 400.0]),
+    speed=st.sampled_from([90.0, 405.0744, 3000.0]),
+    ratio=st.sampled_from([0.0, 0.01, 1.0, 3.0]),
+    damped=st.booleans(),
+    kind=st.sampled_from(["own", "own", "measured", "few"]),
+)
+def test_is_simulate(seed, gears, single, stations, spacing, speed, ratio, damped, kind):
+    random = np.random.default_rng(seed)
+    aircraft = craft(random, gears)
+    modes = aircraft.modes(ratio)
+    if kind == "measured":
+        modes = rm.Modes(aircraft, 1.1 * modes.omega, modes.damping_ratio, modes.shapes)
+    elif kind == "few":
+        modes = rm.Modes(aircraft, modes.omega[:1], modes.damping_ratio[:1], modes.shapes[:, :1])
+    runs = int(random.integers(1, 11))
+    elevations = random.normal(size=(runs, 1 if single else gears, stations)) + 40.0
+    found = rm.simulate_many(modes, elevations, spacing, speed, damping_input=damped)
+    for run in range(runs):
+        expected = one_by_one(modes, elevations[run], spacing, speed, damped).extremes()
+        scale = max(abs(expected.max_load).max(), abs(expected.min_load).max())
+        assert abs(found.max_load[run] - expected.max_load).max() <= TOLERANCE * scale
+        assert abs(found.min_load[run] - expected.min_load).max() <= TOLERANCE * scale
+        for name, size in expected.max_acceleration.items():
+            assert abs(found.max_acceleration[name][run] - size) <= TOLERANCE * max(
+                expected.max_acceleration.values()
+            )
+    if stations > 1:
+        response = one_by_one(modes, elevations[0], spacing, speed, damped)
+        loads, accelerations = mean_squares(response, spacing, stations, speed)
+        assert abs(found.rms_load[0] - loads).max() <= TOLERANCE * loads.max()
+        for name, rms in accelerations.items():
+            assert abs(found.rms_acceleration[name][0] - rms) <= TOLERANCE * max(
+                accelerations.values()
+            )
+
+
+def runways(runs: int, tracks: int = 3, stations: int = 100) -> NDArray[np.float64]:
+    return np.cumsum(np.random.default_rng(7).normal(0.0, 0.3, (runs, tracks, stations)), axis=2)
+
+
+def bits(ensemble: rm.Ensemble) -> NDArray[np.float64]:
+    parts = (ensemble.max_load, ensemble.min_load, ensemble.rms_load)
+    accelerations = (ensemble.max_acceleration, ensemble.rms_acceleration)
+    return np.column_stack([*parts, *(row for each in accelerations for row in each.values())])
+
+
+@pytest.mark.parametrize("damped", [False, True])
+def test_alone_as_in_any_batch(damped):
+    elevations, speeds = runways(21), np.linspace(300.0, 900.0, 21)
+    modes = [rm.f4e().modes(ratio) for ratio in np.linspace(0.0, 0.1, 21)]
+    # Another wheelbase among them: its stations fall elsewhere.
+    gears = [rm.Gear(g.name, g.x * 1.01, g.y, g.stiffness) for g in rm.f4e().gears]
+    modes[4] = rm.Aircraft(
+        mass=145.5, pitch_inertia=1.92e6, roll_inertia=6.56e5, gears=gears
+    ).modes(0.02)
+    together = bits(rm.simulate_many(modes, elevations, 10.0, speeds, damping_input=damped))
+    for run in range(21):
+        alone = rm.simulate_many(
+            modes[run], elevations[run : run + 1], 10.0, speeds[run], damping_input=damped
+        )
+        assert (bits(alone) == together[run]).all()
+    alike = rm.simulate_many(modes[0], elevations, 10.0, 500.0, damping_input=damped)
+    some = rm.simulate_many(modes[0], elevations[3:16], 10.0, 500.0, damping_input=damped)
+    assert (bits(some) == bits(alike)[3:16]).all()
+
+
+def test_any_number_of_threads():
+    program = (
+        "import sys; sys.path.insert(0, 'tests')\n"
+        "from test_ensemble import *\n"
+        "print(bits(rm.simulate_many(MODES, runways(100), 10.0, 500.0)).tobytes().hex())"
+    )
+    outputs = {
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env={**os.environ, "RAYON_NUM_THREADS": threads},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for threads in ("1", "2", "3")
+    }
+    assert len(outputs) == 1
+
+
+def test_single_precision_is_read_as_it_is():
+    single = runways(9).astype(np.float32)
+    found = rm.simulate_many(MODES, single, 10.0, 500.0)
+    assert (bits(found) == bits(rm.simulate_many(MODES, single.astype(float), 10.0, 500.0))).all()
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("station", [0, 12, 99])
+def test_bad_elevations_are_named_and_masked(bad, station):
+    elevations = runways(20, 1)
+    good = bits(rm.simulate_many(MODES, elevations, 10.0, 500.0))
+    elevations[13, 0, station] = bad
+    before = elevations.copy()
+    with pytest.raises(rm.InputError, match=rf"^elevations\[13, 0, {station}\] = (NaN|-?inf) is"):
+        rm.simulate_many(MODES, elevations, 10.0, 500.0)
+    masked = rm.simulate_many(MODES, elevations, 10.0, 500.0, on_error="mask", first_run=100)
+    assert list(masked.failures) == [113]
+    assert f"elevations[13, 0, {station}]" in masked.failures[113]
+    assert masked.valid.sum() == 19
+    assert not masked.valid[13]
+    assert np.isnan(bits(masked)[13]).all()
+    assert (bits(masked)[masked.valid] == good[masked.valid]).all()
+    assert 113 not in masked.worst("nose", 20)
+    np.testing.assert_array_equal(elevations, before)
+
+
+def test_one_bad_station_is_found():
+    elevations = runways(3, 3, 1)
+    elevations[1, 2, 0] = np.nan
+    with pytest.raises(rm.InputError, match=r"^elevations\[1, 2, 0\] = NaN"):
+        rm.simulate_many(MODES, elevations, 10.0, 500.0)
+
+
+def test_lag_beyond_the_runway():
+    """The mains are still to come when the nose has left."""
+    elevations = runways(3, 1, 5)
+    found = rm.simulate_many(MODES, elevations, 0.5, 40.0)
+    for run in range(3):
+        expected = one_by_one(MODES, elevations[run], 0.5, 40.0, False).extremes()
+        np.testing.assert_allclose(found.max_load[run], expected.max_load, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"elevations": np.zeros((2, 2, 5))}, "one for all gears, or one a gear"),
+        ({"elevations": np.zeros((2, 5))}, r"elevations has shape \(2, 5\)"),
+        ({"elevations": np.zeros((0, 1, 5))}, r"elevations has shape \(0, 1, 5\)"),
+        ({"elevations": [[["a"]]]}, "elevations holds"),
+        ({"spacing": 0.0}, "spacing = 0.0 is not positive"),
+        ({"spacing": np.nan}, "spacing = NaN"),
+        ({"speed": [1.0, -2.0]}, r"speed\[1\] = -2.0 is not positive"),
+        ({"speed": [1.0, 2.0, 3.0]}, "speed has 3 entries, 2 expected"),
+        ({"modes": [MODES]}, "modes has 1 entries, 2 expected"),
+        ({"modes": [MODES, 3]}, r"modes\[1\] = 3 is not a Modes"),
+        ({"modes": [MODES, rm.single_dof(mass=1, omega=1, damping_ratio=0)]}, r"modes\[1\]: gear"),
+        ({"on_error": "ignore"}, "on_error = 'ignore'"),
+        ({"damping_input": 1}, "damping_input = 1"),
+        ({"elevations": np.eye(5)[None, :1] * 1e200}, r"elevations\[0, 0, 0\] = 1e200 is out of"),
+    ],
+)
+def test_input_is_checked(change, message):
+    arguments = {"modes": MODES, "elevations": np.zeros((2, 1, 5)), "spacing": 1.0, "speed": 1.0}
+    with pytest.raises(rm.InputError, match=message):
+        rm.simulate_many(**(arguments | change))
+
+
+def test_merge():
+    elevations = runways(30)
+    whole = rm.simulate_many(MODES, elevations, 10.0, 500.0)
+    first = rm.simulate_many(MODES, elevations[:11], 10.0, 500.0)
+    second = rm.simulate_many(MODES, elevations[11:], 10.0, 500.0, first_run=11)
+    merged = second.merge(first)
+    assert (merged.run == whole.run).all()
+    assert (bits(merged) == bits(whole)).all()
+    assert not merged.max_load.flags.writeable
+    with pytest.raises(rm.InputError, match="run 0 is in both"):
+        first.merge(whole)
+    with pytest.raises(rm.InputError, match=r"spacing is 10.0 here and 11.0 there"):
+        first.merge(rm.simulate_many(MODES, elevations[11:], 11.0, 500.0, first_run=11))
+    other = rm.f4e().modes(0.02)
+    with pytest.raises(rm.InputError, match="modes is"):
+        second.merge(rm.simulate_many(other, elevations[:11], 10.0, 500.0))
+
+
+@pytest.mark.parametrize(("runs", "probability"), [(10, 0.5), (500, 0.9), (500, 0.999), (80, 0.02)])
+def test_quantile_intervals_are_the_binomial_ones(runs, probability):
+    found = rm.simulate_many(MODES, runways(runs, 1, 20), 10.0, 500.0)
+    estimate = found.quantile("max_load", probability, confidence=0.9)
+    ordered = np.concatenate(([-np.inf], np.sort(found.max_load[:, 0]), [np.inf]))
+    lower = int(np.flatnonzero(ordered == estimate.low[0, 0])[-1])
+    upper = int(np.flatnonzero(ordered == estimate.high[0, 0])[0])
+    # Rank r covers if P(B < r) ≤ 5 %, and the next one would not.
+    assert binom.cdf(lower - 1, runs, probability) <= 0.05 < binom.cdf(lower, runs, probability)
+    assert binom.sf(upper - 1, runs, probability) <= 0.05 < binom.sf(upper - 2, runs, probability)
+    np.testing.assert_allclose(
+        estimate.value[0], np.quantile(found.max_load, probability, axis=0), rtol=1e-14
+    )
+
+
+def test_exceedance_interval_is_wilsons():
+    found = rm.simulate_many(MODES, runways(200, 1, 20), 10.0, 500.0)
+    level = np.sort(found.max_load[:, 1])[189]
+    estimate = found.exceedance("max_load", [level, 1e9])
+    assert estimate.value[0, 1] == pytest.approx(10 / 200, rel=1e-12)
+    # The ends solve |share − p| = z √(p (1 − p) / n).
+    for end in (estimate.low[0, 1], estimate.high[0, 1]):
+        z = abs(0.05 - end) / np.sqrt(end * (1 - end) / 200)
+        assert z == pytest.approx(1.959963984540054, rel=1e-9)
+    assert (estimate.value[1] == 0.0).all()
+    assert (estimate.low[1] == 0.0).all()
+    assert (estimate.high[1] > 0.0).all()
+
+
+def test_worst_and_unloaded_and_table():
+    found = rm.simulate_many(MODES, 20.0 * runways(40, 1, 60), 10.0, 500.0, first_run=7)
+    worst = found.worst("left", 3)
+    order = np.sort(found.max_load[:, 1])[::-1]
+    np.testing.assert_array_equal(found.max_load[worst - 7, 1], order[:3])
+    assert (found.unloaded == (found.min_load <= 0)).all()
+    assert found.unloaded.any()
+    table = found.to_pandas()
+    np.testing.assert_array_equal(table.loc[worst[0], "max_load left"], order[0])
+    assert table.index[0] == 7
+    with pytest.raises(rm.InputError, match="no such gear"):
+        found.worst("tail")
+    with pytest.raises(rm.InputError, match="no such quantity"):
+        found.quantile("load", 0.5)
+    with pytest.raises(rm.InputError, match=r"probability\[1\] = 1.0"):
+        found.quantile("max_load", [0.5, 1.0])

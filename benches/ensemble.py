@@ -28,10 +28,10 @@ def elevations(runs: int, stations: int) -> np.ndarray:
 
 class March:
     """
-    The recurrence of a period in matrices: two legs, three loads, and products for the mean square.
+    The recurrence of a period in matrices: two legs, three loads, products for the mean square.
 
-    State {d, ẏ/ω} of three modes; rises of the nose (after its station) and of the mains (before and
-    after theirs). Everything constant is computed by `expm`.
+    State {d, ẏ} of three modes; rises of the nose (after its station) and of the mains (before
+    and after theirs). Everything constant is computed by `expm`.
     """
 
     def __init__(self, own: rm.Modes, stations: int):
@@ -52,9 +52,8 @@ class March:
         system[3:6, 3:6] = -np.diag(2 * own.damping_ratio * own.omega)
         system[:3, 6:9] = -lift / SPACING
         period = SPACING / SPEED
-        self.first, self.second = (
-            expm(system * t)[:6] for t in (share * period, (1 - share) * period)
-        )
+        lengths = share * period, (1 - share) * period
+        self.first, self.second = (expm(system * length)[:6] for length in lengths)
         self.load = -(shape * stiffness[:, None])  # on d
         self.static = aircraft.static_load
         self.periods = stations - 1 + self.whole
@@ -62,7 +61,7 @@ class March:
         # ∫ F² over a leg = xᵀ W x, x = {state, rises}: Gauss's rule.
         nodes, weights = np.polynomial.legendre.leggauss(8)
         self.squares = []
-        for length in (share * period, (1 - share) * period):
+        for length in lengths:
             square = np.zeros((3, 9, 9))
             for node, weight in zip(nodes, weights, strict=True):
                 rows = self.load @ expm(system * (0.5 * length * (1 + node)))[:3]
@@ -74,7 +73,7 @@ class March:
         up = np.diff(z, axis=-1)
         level = np.zeros((*up.shape[:1], 2, self.whole + 1))
         nose = np.concatenate((up[:, 0], level[:, 0]), axis=1)
-        return nose, np.concatenate((level, up[:, 1:]), axis=2)
+        return nose, np.concatenate((level, up[:, 1:], level[:, :, :1]), axis=2)
 
     def numpy(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """All runs at once, period by period."""
@@ -86,13 +85,15 @@ class March:
         sums = [np.zeros((9, 9, runs)) for _ in range(2)]
         for i in range(self.periods + 1):
             x[6] = nose[i]
-            # Of the last period only the first leg.
-            for leg, step in enumerate((self.first, self.second)[: 1 if i == self.periods else 2]):
+            for leg, step in enumerate((self.first, self.second)):
                 x[7:] = main[i + leg]
                 gears = slice(0, 1) if leg == 0 else slice(1, 3)
                 load = self.load[gears] @ x[:3]
                 np.maximum(high[gears], load, out=high[gears])
                 np.minimum(low[gears], load, out=low[gears])
+                # Of the last period only the first leg.
+                if i == self.periods and leg == 1:
+                    break
                 for row in range(9):
                     sums[leg][row, : row + 1] += x[row] * x[: row + 1]
                 x[:6] = step @ x
@@ -102,23 +103,14 @@ class March:
         """A loop of the same work, run by run."""
         high, low = np.zeros((z.shape[0], 3)), np.zeros((z.shape[0], 3))
         sums = np.zeros((2, z.shape[0], 9, 9))
-        blocks = [
-            np.diag(s[a : a + 3, b : b + 3]).copy()
-            for s in (self.first, self.second)
-            for a in (0, 3)
-            for b in (0, 3)
-        ]
-        inputs = [np.ascontiguousarray(s[:, 6:]) for s in (self.first, self.second)]
-        _loop(
-            z,
-            self.whole,
-            np.array(blocks).reshape(2, 2, 2, 3),
-            np.array(inputs),
-            self.load,
-            high,
-            low,
-            sums,
-        )
+        # Modes do not mix: leg, row, column, mode.
+        steps = np.stack((self.first, self.second))
+        blocks = np.zeros((2, 2, 2, 3))
+        for row, column in np.ndindex(2, 2):
+            part = steps[:, 3 * row : 3 * row + 3, 3 * column : 3 * column + 3]
+            blocks[:, row, column] = np.diagonal(part, axis1=1, axis2=2)
+        inputs = np.ascontiguousarray(steps[:, :, 6:])
+        _loop(z, self.whole, blocks, inputs, self.load, high, low, sums)
         return self.results(high, low, list(sums))
 
     def results(
@@ -140,7 +132,7 @@ def _loop(z, whole, blocks, inputs, load, high, low, sums):
         y = np.zeros(6)
         for i in range(periods + 1):
             x[6] = z[run, 0, i + 1] - z[run, 0, i] if i + 1 < stations else 0.0
-            for leg in range(1 if i == periods else 2):
+            for leg in range(2):
                 k = i - whole - 1 + leg
                 for main in range(2):
                     inside = 0 <= k < stations - 1
@@ -149,25 +141,18 @@ def _loop(z, whole, blocks, inputs, load, high, low, sums):
                     f = load[gear, 0] * x[0] + load[gear, 1] * x[1] + load[gear, 2] * x[2]
                     high[run, gear] = max(high[run, gear], f)
                     low[run, gear] = min(low[run, gear], f)
+                if i == periods and leg == 1:
+                    break
                 for row in range(9):
                     for column in range(row + 1):
                         sums[leg, run, row, column] += x[row] * x[column]
+                b, a = blocks[leg], inputs[leg]
                 for m in range(3):
-                    b, a = blocks[leg], inputs[leg]
-                    y[m] = (
-                        b[0, 0, m] * x[m]
-                        + b[0, 1, m] * x[3 + m]
-                        + a[m, 0] * x[6]
-                        + a[m, 1] * x[7]
-                        + a[m, 2] * x[8]
-                    )
-                    y[3 + m] = (
-                        b[1, 0, m] * x[m]
-                        + b[1, 1, m] * x[3 + m]
-                        + a[3 + m, 0] * x[6]
-                        + a[3 + m, 1] * x[7]
-                        + a[3 + m, 2] * x[8]
-                    )
+                    d, v, n = x[m], x[3 + m], 3 + m
+                    up = a[m, 0] * x[6] + a[m, 1] * x[7] + a[m, 2] * x[8]
+                    y[m] = b[0, 0, m] * d + b[0, 1, m] * v + up
+                    up = a[n, 0] * x[6] + a[n, 1] * x[7] + a[n, 2] * x[8]
+                    y[n] = b[1, 0, m] * d + b[1, 1, m] * v + up
                 x[:6] = y
 
 

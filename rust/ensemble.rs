@@ -12,14 +12,11 @@
 //!   products of these numbers, whatever the number of outputs and whatever the damping.
 
 use std::ops::Range;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
-
-use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::{Error, Place, Result, finite, positive};
 use crate::modes::Modes;
+use crate::parallel;
 use crate::watch::Pulse;
 
 mod kernel;
@@ -34,20 +31,14 @@ use setup::{Setup, Stations};
 /// Largest elevation: as in a profile, its square must stay in double precision.
 const HIGHEST: f64 = 1e100;
 
-/// How often a caller that wants to stop is listened to.
-const PATIENCE: Duration = Duration::from_millis(50);
-
-/// Fewer stations than this a run take no longer than that.
-const SHORT: usize = 100_000;
-
 /// Where elevations come from.
 pub trait Source: Sync {
-    /// Reads them for one thread.
-    type Reader<'a>: Reader
+    /// Reads them, for one thread at a time.
+    type Reader<'a>: Reader + Send
     where
         Self: 'a;
 
-    /// A reader for one more thread.
+    /// One more reader.
     fn reader(&self) -> Self::Reader<'_>;
 }
 
@@ -256,40 +247,23 @@ pub fn simulate(plan: &Plan, runs: usize, source: &impl Source, pulse: Pulse) ->
     let shared = if plan.is_single() { Some(Lot::new(vec![plan.setup(0)?])) } else { None };
     let blocks: Vec<Range<usize>> =
         (0..runs).step_by(RUNS).map(|first| first..(first + RUNS).min(runs)).collect();
-    let stop = AtomicBool::new(false);
-    let worker =
-        || Worker { plan, stop: &stop, reader: source.reader(), march: shared.as_ref().map(Lot::march) };
-    let work = |worker: &mut Worker<_>, block: &Range<usize>| worker.block(block.clone());
-    let mut parts = Vec::new();
-    let mut outcome = Ok(());
-    let is_short = blocks.len() <= 1 && plan.stations < SHORT;
-    let threads = if is_short { None } else { rayon::ThreadPoolBuilder::new().build().ok() };
-    if let Some(threads) = threads {
-        // Threads of its own, which a forked process has as well; the caller's listens.
-        let (done, caller) = (AtomicBool::new(false), std::thread::current());
-        threads.in_place_scope(|scope| {
-            scope.spawn(|_| {
-                parts = blocks.par_iter().map_init(worker, |worker, block| work(worker, block)).collect();
-                done.store(true, Ordering::Release);
-                caller.unpark();
-            });
-            while !done.load(Ordering::Acquire) && outcome.is_ok() {
-                std::thread::park_timeout(PATIENCE);
-                outcome = pulse();
-            }
-            stop.store(outcome.is_err(), Ordering::Relaxed);
+    // A worker at a time is one thread's; what it has made serves the next block.
+    let idle = Mutex::new(Vec::new());
+    let spare = || idle.lock().unwrap_or_else(PoisonError::into_inner);
+    let parts = parallel::map(blocks.len(), pulse, |index, pulse| {
+        let ready = spare().pop();
+        let mut worker = ready.unwrap_or_else(|| Worker {
+            plan,
+            reader: source.reader(),
+            march: shared.as_ref().map(Lot::march),
         });
-    } else {
-        let mut worker = worker();
-        for block in &blocks {
-            parts.push(work(&mut worker, block));
-            pulse()?;
-        }
-    }
-    outcome?;
+        let found = worker.block(blocks[index].clone(), pulse)?;
+        spare().push(worker);
+        Ok(found)
+    })?;
     let mut all = Statistics::default();
     for part in parts {
-        all.append(part?);
+        all.append(part);
     }
     Ok(all)
 }
@@ -313,18 +287,17 @@ impl Lot {
 /// One thread's tools.
 struct Worker<'a, R> {
     plan: &'a Plan,
-    stop: &'a AtomicBool,
     reader: R,
     /// Of runs that are all set up alike.
     march: Option<March<'a>>,
 }
 
 impl<R: Reader> Worker<'_, R> {
-    fn block(&mut self, runs: Range<usize>) -> Result<Statistics> {
-        let Self { plan, stop, reader, march } = self;
+    fn block(&mut self, runs: Range<usize>, pulse: Pulse) -> Result<Statistics> {
+        let Self { plan, reader, march } = self;
         let mut found = Statistics::default();
         if let Some(march) = march {
-            march_over(plan, stop, march, reader, runs, &mut found)?;
+            march_over(plan, march, reader, runs, &mut found, pulse)?;
             return Ok(found);
         }
         let mut setups: Vec<Setup> = runs.clone().map(|run| plan.setup(run)).collect::<Result<_>>()?;
@@ -335,7 +308,7 @@ impl<R: Reader> Worker<'_, R> {
             let alike = setups.iter().take_while(|setup| setup.layout == layout).count();
             let others = setups.split_off(alike);
             let lot = Lot::new(setups);
-            march_over(plan, stop, &mut lot.march(), reader, first..first + alike, &mut found)?;
+            march_over(plan, &mut lot.march(), reader, first..first + alike, &mut found, pulse)?;
             (setups, first) = (others, first + alike);
         }
         Ok(found)
@@ -345,23 +318,19 @@ impl<R: Reader> Worker<'_, R> {
 /// Runs up to [`RUNS`] profiles side by side.
 fn march_over(
     plan: &Plan,
-    stop: &AtomicBool,
     march: &mut March,
     reader: &mut impl Reader,
     runs: Range<usize>,
     found: &mut Statistics,
+    pulse: Pulse,
 ) -> Result<()> {
     // Asked before too: a source that makes its elevations takes time over it.
-    if stop.load(Ordering::Relaxed) {
-        return Err(Error::Interrupted);
-    }
+    pulse()?;
     reader.open(runs.start, runs.len());
     march.start(reader);
     let periods = march.layout.periods;
     for period in (0..periods).step_by(PERIODS) {
-        if stop.load(Ordering::Relaxed) {
-            return Err(Error::Interrupted);
-        }
+        pulse()?;
         march.block(reader, plan.stations, period, PERIODS.min(periods - period), false);
     }
     march.block(reader, plan.stations, periods, 1, true);

@@ -277,7 +277,7 @@ class Ensemble:
         >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
         >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
         >>> ensemble.exceedance("max_load", 10_000.0).value.round(2)
-        array([[0.02, 1.  , 1.  ]])
+        array([[0., 1., 1.]])
         """
         values = self._sorted(quantity)
         runs = values.shape[0]
@@ -378,7 +378,7 @@ class Ensemble:
         return int(self.run.size)
 
     def __repr__(self) -> str:
-        """Tell runs, gears and failures."""
+        """Say how many runs, which gears, how many failures."""
         failed = f"{len(self.failures)} failed" if self.failures else "none failed"
         return f"<Ensemble: {len(self)} runs, gears {', '.join(self.gear_names)}, {failed}>"
 

@@ -365,7 +365,10 @@ impl March<'_> {
         let mut now = *state;
         for i in 0..count {
             for drive in &mut *drives {
-                (drive.last_beta, drive.last_gamma) = (drive.beta, drive.gamma);
+                drive.last_beta = drive.beta;
+                if DAMPED {
+                    drive.last_gamma = drive.gamma;
+                }
                 let (mut beta, mut gamma) = ([ZERO; MODES], [ZERO; MODES]);
                 for group in drive.groups.clone() {
                     let Ground { z, rise } = &mut ground[group];
@@ -378,7 +381,10 @@ impl March<'_> {
                         }
                     }
                 }
-                (drive.beta, drive.gamma) = (beta, gamma);
+                drive.beta = beta;
+                if DAMPED {
+                    drive.gamma = gamma;
+                }
             }
             for leg in 0..legs {
                 for output in 0..outputs {

@@ -16,7 +16,7 @@ const PATIENCE: Duration = Duration::from_millis(50);
 
 /// This process's threads. Not rayon's global ones: a forked process (Python's multiprocessing)
 /// inherits their names but not the threads, and would wait for them for ever.
-fn threads() -> Arc<ThreadPool> {
+pub(crate) fn threads() -> Arc<ThreadPool> {
     static THREADS: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
     let process = std::process::id();
     let mut kept = THREADS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -39,6 +39,10 @@ pub(crate) fn map<T: Send>(
     pulse: Pulse,
     work: impl Fn(usize, Pulse) -> Result<T> + Sync,
 ) -> Result<Vec<T>> {
+    if count == 1 {
+        // One piece is not worth waking threads for.
+        return work(0, pulse).map(|result| vec![result]);
+    }
     let stop = AtomicBool::new(false);
     let go_on = || if stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) };
     let one = |index| go_on().and_then(|()| work(index, &mut || go_on()));

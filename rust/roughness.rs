@@ -22,6 +22,7 @@ use crate::coherence::Coherency;
 use crate::ensemble::{RUNS, Reader, Row, Source};
 use crate::error::{Error, Result, finite, positive};
 use crate::fourier::{NONE, Pair, Transform, times};
+use crate::parallel::threads;
 use crate::random::{Deviates, LINES, Streams};
 use crate::spectrum::Spectrum;
 use crate::watch::Pulse;
@@ -263,11 +264,6 @@ impl Reader for RunsReader<'_> {
         let track = self.block.track(self.runs.generator.track_of[track]);
         out.copy_from_slice(&track[first..][..out.len()]);
     }
-}
-
-/// Threads of our own, which a forked process has as well.
-fn threads() -> rayon::ThreadPool {
-    rayon::ThreadPoolBuilder::new().build().expect("threads")
 }
 
 /// Stations turned from side by side to one after another at a time: they stay in the cache.

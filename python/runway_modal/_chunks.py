@@ -1,0 +1,116 @@
+"""A Monte Carlo cut into chunks of runs, each computed wherever and whenever it suits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import zip_longest
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
+
+import numpy as np
+
+from ._core import InputError
+from ._input import integer
+from .roughness import Roughness, lateral_positions, monte_carlo
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from typing import NotRequired
+
+    from numpy.typing import ArrayLike
+
+    from .ensemble import Ensemble
+    from .modes import Modes
+
+#: Runs of a chunk: seconds of work, a file of some hundred kilobytes.
+CHUNK = 4096
+
+
+class Options(TypedDict):
+    """Keyword arguments of `monte_carlo`."""
+
+    length: float
+    spacing: float
+    speed: ArrayLike
+    runs: int
+    seed: int
+    first_run: NotRequired[int]
+    tracks: NotRequired[Literal["one", "isotropic"]]
+    damping_input: NotRequired[bool]
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Some runs of a Monte Carlo: all that a process needs to compute them."""
+
+    modes: Modes
+    roughness: Roughness
+    options: Options
+
+    @property
+    def first_run(self) -> int:
+        """Number of its first run."""
+        return self.options.get("first_run", 0)
+
+    @property
+    def last_run(self) -> int:
+        """Number of its last run."""
+        return self.first_run + self.options["runs"] - 1
+
+    def compute(self) -> Ensemble:
+        """Roll over them."""
+        return monte_carlo(self.modes, self.roughness, **self.options)
+
+
+def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> list[Chunk]:
+    """Cut the runs of a Monte Carlo; what is wrong with its arguments is said here and now."""
+    if not isinstance(roughness, Roughness):
+        raise InputError(f"roughness = {roughness!r} is not a Roughness")
+    lateral_positions(modes, options.get("tracks", "one"))
+    runs = integer("runs", options["runs"], 1)
+    first_run = integer("first_run", options.get("first_run", 0), 0)
+    size = integer("chunk", size, 1)
+    speed = np.asarray(options["speed"])
+    if speed.ndim > 1 or (speed.ndim == 1 and speed.size not in (1, runs)):
+        raise InputError(f"speed has the shape {speed.shape}, not one value or one a run ({runs},)")
+    each = speed.size == runs and speed.ndim == 1
+
+    def part(begin: int) -> Chunk:
+        end = min(begin + size, runs)
+        own = options.copy()
+        own["speed"] = speed[begin:end] if each else speed
+        own["first_run"], own["runs"] = first_run + begin, end - begin
+        return Chunk(modes, roughness, own)
+
+    return [part(begin) for begin in range(0, runs, size)]
+
+
+def joined(parts: Iterable[Ensemble]) -> Ensemble:
+    """Put the results of chunks together: neighbours first, so that no row is copied often."""
+    waiting = list(parts)
+    while len(waiting) > 1:
+        pairs = zip_longest(waiting[::2], waiting[1::2])
+        waiting = [one if other is None else one.merge(other) for one, other in pairs]
+    return waiting[0]
+
+
+def setup(modes: Modes, roughness: Roughness, options: Options) -> dict[str, Any]:
+    """Tell what decides the results, the numbers of the runs apart, in plain numbers and words."""
+    aircraft = modes.aircraft
+    return {
+        "gears": {
+            gear.name: [gear.x, gear.y, gear.stiffness, gear.damping] for gear in aircraft.gears
+        },
+        "stations": {name: list(point) for name, point in aircraft.stations.items()},
+        "mass matrix": aircraft.mass_matrix.tolist(),
+        "static load": aircraft.static_load.tolist(),
+        "omega": modes.omega.tolist(),
+        "damping ratio": modes.damping_ratio.tolist(),
+        "shapes": modes.shapes.tolist(),
+        "roughness": repr(roughness.__reduce__()[1]),
+        "length": options["length"],
+        "spacing": options["spacing"],
+        "speed": np.asarray(options["speed"]).tolist(),
+        "seed": options["seed"],
+        "tracks": options.get("tracks", "one"),
+        "damping_input": bool(options.get("damping_input", False)),
+    }

@@ -1,0 +1,77 @@
+"""Monte Carlo on many machines: runs shared out over a dask cluster (extra ``dask``)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ._chunks import CHUNK, Chunk, chunks, joined
+
+if TYPE_CHECKING:
+    from typing import Unpack
+
+    from distributed import Client
+
+    from ._chunks import Options
+    from .ensemble import Ensemble
+    from .modes import Modes
+    from .roughness import Roughness
+
+__all__ = ["monte_carlo"]
+
+
+def monte_carlo(
+    client: Client,
+    modes: Modes,
+    roughness: Roughness,
+    *,
+    chunk: int = CHUNK,
+    **options: Unpack[Options],
+) -> Ensemble:
+    """
+    Share the runs of a `runway_modal.monte_carlo` out over the workers of a cluster.
+
+    A run is the same to the last bit wherever it is computed, and so is the result, whatever the
+    workers and their number. The chunks of a worker that dies are given to others.
+
+    Parameters
+    ----------
+    client : distributed.Client
+        Of a cluster whose workers have this version of the package.
+    modes : Modes
+        As for `runway_modal.monte_carlo`.
+    roughness : Roughness
+        As for `runway_modal.monte_carlo`.
+    chunk : int
+        Runs a task.
+    **options
+        The keyword arguments of `runway_modal.monte_carlo`.
+
+    Returns
+    -------
+    Ensemble
+        As `runway_modal.monte_carlo` gives it.
+
+    Raises
+    ------
+    InputError
+        If an argument is of the wrong kind or out of range.
+
+    Examples
+    --------
+    A cluster of threads in this process; any other's address will do as well:
+
+    >>> import runway_modal as rm
+    >>> from distributed import Client
+    >>> from runway_modal import distributed
+    >>> modes, surface = rm.f4e().modes(0.01), rm.Roughness.iso8608("A", unit="in")
+    >>> runway = dict(length=2400.0, spacing=12.0, seed=1980, speed=rm.knots(60), runs=100)
+    >>> with Client(processes=False, dashboard_address=None) as client:
+    ...     shared = distributed.monte_carlo(client, modes, surface, chunk=32, **runway)
+    >>> alone = rm.monte_carlo(modes, surface, **runway)
+    >>> bool((shared.max_load == alone.max_load).all())
+    True
+    """
+    parts = chunks(modes, roughness, options, chunk)
+    # Not pure: a result that another call left in the cluster is not looked for.
+    futures = client.map(Chunk.compute, parts, pure=False)
+    return joined(future.result() for future in futures)

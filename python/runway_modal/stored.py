@@ -1,0 +1,192 @@
+"""Long Monte Carlo runs whose finished parts stay on disk (extra ``tables``)."""
+
+from __future__ import annotations
+
+import json
+import os
+from importlib.metadata import version
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._chunks import CHUNK, Chunk, chunks, joined, setup
+from ._core import InputError
+from ._input import read_only
+from .ensemble import Ensemble
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Unpack
+
+    from ._chunks import Options
+    from .modes import Modes
+    from .roughness import Roughness
+
+__all__ = ["monte_carlo", "read"]
+
+_SETUP = "setup.json"
+
+
+def monte_carlo(
+    directory: str | os.PathLike[str],
+    modes: Modes,
+    roughness: Roughness,
+    *,
+    chunk: int = CHUNK,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Unpack[Options],
+) -> None:
+    """
+    Roll as `runway_modal.monte_carlo` does, and keep each finished chunk in a Parquet file.
+
+    Whatever ends it, a second call with the same arguments goes on where the first was, to the
+    same bits. Memory holds one chunk, however many runs there are. `read` gives the results.
+
+    Parameters
+    ----------
+    directory : path
+        Where the files are kept; made if there is none.
+    modes : Modes
+        As for `runway_modal.monte_carlo`.
+    roughness : Roughness
+        As for `runway_modal.monte_carlo`.
+    chunk : int
+        Runs a file.
+    progress : callable, optional
+        Called with the numbers of runs finished and wanted, before the first chunk and after
+        each.
+    **options
+        The keyword arguments of `runway_modal.monte_carlo`.
+
+    Raises
+    ------
+    InputError
+        If an argument is of the wrong kind or out of range, or the directory holds runs of
+        another set-up or version.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import runway_modal as rm
+    >>> from runway_modal import stored
+    >>> modes, surface = rm.f4e().modes(0.01), rm.Roughness.iso8608("A", unit="in")
+    >>> runway = dict(length=2400.0, spacing=12.0, seed=1980, speed=rm.knots(60), runs=100)
+    >>> with tempfile.TemporaryDirectory() as directory:
+    ...     stored.monte_carlo(directory, modes, surface, **runway, chunk=32)
+    ...     print(stored.read(directory))
+    <Ensemble: 100 runs, gears nose, left, right, none failed>
+    """
+    parts = chunks(modes, roughness, options, chunk)
+    folder = Path(directory)
+    folder.mkdir(parents=True, exist_ok=True)
+    about = {
+        "runway_modal": version("runway_modal"),
+        "chunk": chunk,
+        "first_run": options.get("first_run", 0),
+        **setup(modes, roughness, options),
+    }
+    _agree(folder / _SETUP, about)
+    runs, done = options["runs"], 0
+    if progress is not None:
+        progress(done, runs)
+    for part in parts:
+        file = folder / f"runs-{part.first_run:012d}-{part.last_run:012d}.parquet"
+        if not file.exists():
+            _write(file, part)
+        done += part.options["runs"]
+        if progress is not None:
+            progress(done, runs)
+
+
+def read(directory: str | os.PathLike[str]) -> Ensemble:
+    """
+    Read the runs that `monte_carlo` has finished in a directory.
+
+    Parameters
+    ----------
+    directory : path
+        Where they are.
+
+    Returns
+    -------
+    Ensemble
+        The runs finished so far.
+
+    Raises
+    ------
+    InputError
+        If there are none.
+
+    Examples
+    --------
+    >>> from runway_modal import stored
+    >>> stored.read("/nowhere")
+    Traceback (most recent call last):
+    runway_modal.InputError: directory = '/nowhere' holds no runs
+    """
+    folder = Path(directory)
+    files = sorted(folder.glob("runs-*.parquet"))
+    if not files:
+        raise InputError(f"directory = {os.fspath(directory)!r} holds no runs")
+    static_load = json.loads((folder / _SETUP).read_text())["static load"]
+    return joined(_read(file, static_load) for file in files)
+
+
+def _agree(file: Path, about: dict[str, Any]) -> None:
+    """Write the set-up, or hold it against what is there."""
+    if not file.exists():
+        _replace(file, lambda path: path.write_text(json.dumps(about, indent=1)))
+        return
+    there, here = json.loads(file.read_text()), json.loads(json.dumps(about))
+    for key in here | there:
+        if there.get(key) != here.get(key):
+            raise InputError(
+                f"{file} is of another set-up: {key} = {there.get(key)!r} there, "
+                f"{here.get(key)!r} here"
+            )
+
+
+def _replace(file: Path, write: Callable[[Path], object]) -> None:
+    """Write a file that is there whole or not at all, whatever happens."""
+    half = file.with_suffix(f".{os.getpid()}.tmp")
+    write(half)
+    with half.open("rb+") as handle:
+        os.fsync(handle.fileno())
+    half.replace(file)
+
+
+def _write(file: Path, part: Chunk) -> None:
+    frame = part.compute().to_pandas()
+    _replace(file, lambda path: frame.to_parquet(path))
+
+
+def _read(file: Path, static_load: list[float]) -> Ensemble:
+    frame = _pandas().read_parquet(file)
+
+    def named(quantity: str) -> dict[str, Any]:
+        start = f"{quantity} "
+        names = [column for column in frame.columns if column.startswith(start)]
+        return {name.removeprefix(start): read_only(frame[name].to_numpy()) for name in names}
+
+    gears = {quantity: named(quantity) for quantity in ("max_load", "min_load", "rms_load")}
+    columns: dict[str, Any] = {key: np.column_stack([*one.values()]) for key, one in gears.items()}
+    columns |= {"run": frame.index.to_numpy(), "speed": frame["speed"].to_numpy()}
+    values: dict[str, Any] = {key: read_only(column) for key, column in columns.items()}
+    values |= {key: named(key) for key in ("max_acceleration", "rms_acceleration")}
+    return Ensemble(
+        gear_names=tuple(gears["max_load"]),
+        setup={},
+        failures={},
+        static_load=np.broadcast_to(static_load, values["max_load"].shape),
+        **values,
+    )
+
+
+def _pandas() -> Any:
+    if find_spec("pandas") is None or find_spec("pyarrow") is None:
+        raise ImportError("runs on disk need pandas and pyarrow: pip install runway_modal[tables]")
+    import pandas as pd
+
+    return pd

@@ -1,0 +1,117 @@
+"""Long runs on disk: stopped anyhow and anywhere, they come to the same bits."""
+
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import runway_modal as rm
+from runway_modal import stored
+
+RUNWAY = {
+    "length": 2400.0,
+    "spacing": 12.0,
+    "speed": rm.knots(60),
+    "seed": 1980,
+    "tracks": "isotropic",
+}
+SETUP = """
+import runway_modal as rm
+from runway_modal import stored
+modes, surface = rm.f4e().modes(0.01), rm.Roughness.iso8608("B", unit="in")
+"""
+
+
+@pytest.fixture(scope="module")
+def modes() -> rm.Modes:
+    return rm.f4e().modes(0.01)
+
+
+@pytest.fixture(scope="module")
+def surface() -> rm.Roughness:
+    return rm.Roughness.iso8608("B", unit="in")
+
+
+def assert_same_bits(one: rm.Ensemble, other: rm.Ensemble) -> None:
+    for key in ("run", "speed", "static_load", "max_load", "min_load", "rms_load"):
+        np.testing.assert_array_equal(getattr(one, key), getattr(other, key), err_msg=key)
+    for key in ("max_acceleration", "rms_acceleration"):
+        np.testing.assert_array_equal(getattr(one, key)["cg"], getattr(other, key)["cg"])
+
+
+def test_killed_run_goes_on_to_the_same_bits(tmp_path, modes, surface):
+    runway = RUNWAY | {"runs": 6000}
+    code = SETUP + f"stored.monte_carlo({str(tmp_path)!r}, modes, surface, chunk=100, **{runway})"
+    process = subprocess.Popen([sys.executable, "-c", code])
+    while len(list(tmp_path.glob("runs-*.parquet"))) < 3:
+        assert process.poll() is None
+        time.sleep(0.001)
+    process.kill()
+    process.wait()
+    before = stored.read(tmp_path)
+    assert 300 <= len(before) < 6000
+
+    steps = []
+    stored.monte_carlo(
+        tmp_path,
+        modes,
+        surface,
+        chunk=100,
+        progress=lambda done, runs: steps.append((done, runs)),
+        **runway,
+    )
+    assert_same_bits(stored.read(tmp_path), rm.monte_carlo(modes, surface, **runway))
+    assert steps == [(100 * i, 6000) for i in range(61)]
+
+
+def test_one_speed_a_run_is_shared_out(tmp_path, modes, surface):
+    runway = RUNWAY | {"runs": 70, "speed": rm.knots(1) * np.linspace(20, 90, 70), "first_run": 5}
+    stored.monte_carlo(tmp_path, modes, surface, chunk=32, **runway)
+    found = stored.read(tmp_path)
+    assert_same_bits(found, rm.monte_carlo(modes, surface, **runway))
+    assert found.run.tolist() == list(range(5, 75))
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"seed": 3}, "seed = 1980 there, 3 here"),
+        ({"speed": 1e3}, "speed"),
+        ({"length": 6e3}, "length"),
+    ],
+)
+def test_another_setup_is_refused(tmp_path, modes, surface, change, named):
+    runway = RUNWAY | {"runs": 10}
+    stored.monte_carlo(tmp_path, modes, surface, **runway)
+    with pytest.raises(rm.InputError, match=named):
+        stored.monte_carlo(tmp_path, modes, surface, **(runway | change))
+
+
+def test_another_aircraft_is_refused(tmp_path, modes, surface):
+    runway = RUNWAY | {"runs": 10}
+    stored.monte_carlo(tmp_path, modes, surface, **runway)
+    with pytest.raises(rm.InputError, match="damping ratio"):
+        stored.monte_carlo(tmp_path, rm.f4e().modes(0.02), surface, **runway)
+
+
+def test_more_runs_are_added(tmp_path, modes, surface):
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=16)
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=30)
+    whole = rm.monte_carlo(modes, surface, **RUNWAY, runs=30)
+    assert_same_bits(stored.read(tmp_path), whole)
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        ({"runs": 0}, "runs = 0"),
+        ({"runs": 3, "chunk": 0}, "chunk = 0"),
+        ({"runs": 3, "speed": [1.0, 2.0]}, r"speed has the shape \(2,\)"),
+    ],
+)
+def test_bad_arguments_leave_no_files(tmp_path, modes, surface, options, named):
+    with pytest.raises(rm.InputError, match=named):
+        stored.monte_carlo(tmp_path / "new", modes, surface, **(RUNWAY | options))
+    assert not (tmp_path / "new").exists()

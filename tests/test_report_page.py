@@ -157,6 +157,15 @@ def test_alternative_text_tells_the_loads() -> None:
     assert "main gear between 3.5 and 43.7 kip, static 23.6" in tenth.alt
 
 
+def test_the_bounce_models_load_is_not_called_a_gears() -> None:
+    # Eq. 16 has the whole weight: 56.2 kip on a panel named for a main gear would mislead.
+    for number in (5, 9, 11):
+        alt = figures.FIGURES[number - 3].draw().alt
+        assert "whole aircraft between" in alt
+        assert "static 56.2" in alt
+        assert "main gear" not in alt
+
+
 def test_same_bytes_every_time(file: Path, tmp_path: Path) -> None:
     # In a process of its own: nothing is remembered, and hashes are salted anew.
     command = [sys.executable, "-m", "runway_modal.report1980", "--out", str(tmp_path)]

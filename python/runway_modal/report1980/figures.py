@@ -225,7 +225,7 @@ FIGURES = (
         5,
         "SDOF Results for Half Mat Profile",
         f"{_SDOF_NOTE} 1.91 Hz.",
-        lambda: _loads(lambda: runs.one_dof("static", runs.HALF_MAT), {"Main gear": 0}),
+        lambda: _loads(lambda: runs.one_dof("static", runs.HALF_MAT), {"Whole aircraft": 0}),
     ),
     Figure(
         6,
@@ -249,7 +249,7 @@ FIGURES = (
         9,
         "SDOF Code Response to Full Mat Profile",
         f"{_SDOF_NOTE} 1.91 Hz.",
-        lambda: _loads(lambda: runs.one_dof("static", runs.FULL_MAT), {"Main gear": 0}),
+        lambda: _loads(lambda: runs.one_dof("static", runs.FULL_MAT), {"Whole aircraft": 0}),
     ),
     Figure(
         10,
@@ -261,7 +261,7 @@ FIGURES = (
         11,
         "SDOF Code Response with Frequency = 1.80 Hertz",
         f"{_SDOF_NOTE} 1.80 Hz.",
-        lambda: _loads(lambda: runs.one_dof("equivalent", runs.FULL_MAT), {"Main gear": 0}),
+        lambda: _loads(lambda: runs.one_dof("equivalent", runs.FULL_MAT), {"Whole aircraft": 0}),
     ),
     Figure(
         12,

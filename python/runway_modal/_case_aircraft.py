@@ -121,7 +121,7 @@ def nonlinear_and_modes(
             gears=gears,
             gravity=linear.gravity,
             stations=linear.stations,
-        ), linear.modes(ratio)
+        ), linear.modes()
 
 
 def _gear(table: Table, units: Units) -> Gear:

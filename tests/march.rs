@@ -166,3 +166,26 @@ fn lengths_that_come_back_are_told_from_others() {
         assert_close(&loads[0], &loads[1], 1e-11);
     }
 }
+
+/// Room for results is what a common grid of knots needs, not one row a knot of every gear.
+#[test]
+fn gears_on_a_common_grid_share_its_knots() {
+    // The wheelbase of 279.25 in is 1117 spacings.
+    let count = 20_000;
+    let x: Vec<f64> = (0..count).map(|i| 0.25 * f64::from(i)).collect();
+    let z: Vec<f64> = (0..count).map(|i| f64::from(i * i % 7) * 0.1).collect();
+    let track = Arc::new(Profile::new(x, z).unwrap());
+    let modes = Arc::new(Modes::natural(aircraft(), Some(&[0.01])).unwrap());
+    let tracks = [&track; 3].map(Arc::clone);
+    let run = Run::new(modes, &tracks, SPEED, false).unwrap();
+    let grid = run.grid(None).unwrap();
+    let (mut time, mut modal, mut rate) =
+        (vec![0.0; grid.most], vec![0.0; 3 * grid.most], vec![0.0; 3 * grid.most]);
+    let rows = run.sample(grid, &mut time, &mut modal, &mut rate, &mut || Ok(())).unwrap();
+    assert!(
+        rows >= 21_117 && rows <= grid.most && grid.most < rows + rows / 20,
+        "{rows} rows, room for {}",
+        grid.most
+    );
+    assert!(time[..rows].is_sorted());
+}

@@ -242,7 +242,7 @@ impl<'a> Segment<'a> {
             state: *self.state(),
             drive: self.drive(),
             begin: knots.distance(self.slot),
-            end: (self.end, knots.distance((self.slot + 1) % SLOTS)),
+            end: (self.end, knots.distance(self.slot + 1)),
             speed: run.speed,
         }
     }

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import threading
 import time
 
 import numpy as np
@@ -36,12 +37,9 @@ def test_a_killed_worker_changes_no_bit():
         killed = next(iter(workers.values()))
 
         def kill_once_at_work() -> None:
-            import threading
-
             def kill() -> None:
                 while not any(client.processing().values()):
                     time.sleep(0.001)
-                time.sleep(0.2)
                 os.kill(killed, signal.SIGKILL)
 
             threading.Thread(target=kill, daemon=True).start()

@@ -97,10 +97,27 @@ def test_another_aircraft_is_refused(tmp_path, modes, surface):
 
 
 def test_more_runs_are_added(tmp_path, modes, surface):
-    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=16)
+    """The last file of the first call is not full."""
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=12)
     stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=30)
     whole = rm.monte_carlo(modes, surface, **RUNWAY, runs=30)
     assert_same_bits(stored.read(tmp_path), whole)
+
+
+def test_runs_from_disk_merge_with_their_like_alone(tmp_path, modes, surface):
+    stored.monte_carlo(tmp_path, modes, surface, **RUNWAY, runs=10)
+    read = stored.read(tmp_path)
+    more = rm.monte_carlo(modes, surface, **RUNWAY, runs=5, first_run=10)
+    whole = rm.monte_carlo(modes, surface, **RUNWAY, runs=15)
+    assert_same_bits(read.merge(more), whole)
+    stiffer = rm.f4e().with_stiffness({"left": 9500.0})
+    measured = rm.Modes(
+        stiffer, omega=modes.omega, damping_ratio=modes.damping_ratio, shapes=modes.shapes
+    )
+    for other, named in ((measured, "gears"), (rm.f4e().modes(0.02), "damping ratio")):
+        apart = rm.monte_carlo(other, surface, **RUNWAY, runs=5, first_run=10)
+        with pytest.raises(rm.InputError, match=named):
+            read.merge(apart)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any, Literal, TypedDict
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
 
@@ -51,11 +51,6 @@ class Chunk:
         """Number of its first run."""
         return self.options.get("first_run", 0)
 
-    @property
-    def last_run(self) -> int:
-        """Number of its last run."""
-        return self.first_run + self.options["runs"] - 1
-
     def compute(self) -> Ensemble:
         """Roll over them."""
         return monte_carlo(self.modes, self.roughness, **self.options)
@@ -91,26 +86,3 @@ def joined(parts: Iterable[Ensemble]) -> Ensemble:
         pairs = zip_longest(waiting[::2], waiting[1::2])
         waiting = [one if other is None else one.merge(other) for one, other in pairs]
     return waiting[0]
-
-
-def setup(modes: Modes, roughness: Roughness, options: Options) -> dict[str, Any]:
-    """Tell what decides the results, the numbers of the runs apart, in plain numbers and words."""
-    aircraft = modes.aircraft
-    return {
-        "gears": {
-            gear.name: [gear.x, gear.y, gear.stiffness, gear.damping] for gear in aircraft.gears
-        },
-        "stations": {name: list(point) for name, point in aircraft.stations.items()},
-        "mass matrix": aircraft.mass_matrix.tolist(),
-        "static load": aircraft.static_load.tolist(),
-        "omega": modes.omega.tolist(),
-        "damping ratio": modes.damping_ratio.tolist(),
-        "shapes": modes.shapes.tolist(),
-        "roughness": repr(roughness.__reduce__()[1]),
-        "length": options["length"],
-        "spacing": options["spacing"],
-        "speed": np.asarray(options["speed"]).tolist(),
-        "seed": options["seed"],
-        "tracks": options.get("tracks", "one"),
-        "damping_input": bool(options.get("damping_input", False)),
-    }

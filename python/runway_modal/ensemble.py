@@ -471,10 +471,11 @@ def simulate_many(
     )
     max_load, min_load, rms_load, max_acceleration, rms_acceleration = map(read_only, results)
     aircraft = each[0].aircraft
+    of_modes = describe(each[0])
+    if not isinstance(modes, Modes):
+        of_modes = {"gears": list(aircraft.gear_names), "stations": names, "modes": "one a run"}
     setup = {
-        "gears": aircraft.gear_names,
-        "stations": tuple(names),
-        "modes": _identity(each[0]) if isinstance(modes, Modes) else "one a run",
+        **of_modes,
         "tracks": tracks,
         "count of stations": count,
         "spacing": h,
@@ -530,13 +531,18 @@ def _check_modes(each: list[Modes], *, one: bool, runs: int) -> None:
                 raise InputError(f"modes[{i}]: {kind} {other} differ from {first} of modes[0]")
 
 
-def _identity(modes: Modes) -> tuple[Any, ...]:
-    """Numbers that tell one set of modes from another."""
+def describe(modes: Modes) -> dict[str, Any]:
+    """Tell what of an aircraft and its modes decides results, in plain numbers as JSON has them."""
     aircraft = modes.aircraft
-    gears = tuple((gear.x, gear.y, gear.stiffness, gear.damping) for gear in aircraft.gears)
-    numbers = (modes.omega, modes.damping_ratio, modes.shapes, aircraft.static_load)
-    stations = tuple(aircraft.stations.values())
-    return (gears, stations, *(tuple(values.ravel().tolist()) for values in numbers))
+    gears = [[gear.name, gear.x, gear.y, gear.stiffness, gear.damping] for gear in aircraft.gears]
+    return {
+        "gears": gears,
+        "stations": [[name, *point] for name, point in aircraft.stations.items()],
+        "static load": aircraft.static_load.tolist(),
+        "omega": modes.omega.tolist(),
+        "damping ratio": modes.damping_ratio.tolist(),
+        "shapes": modes.shapes.tolist(),
+    }
 
 
 def _shares(argument: str, values: ArrayLike) -> NDArray[np.float64]:

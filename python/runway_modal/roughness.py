@@ -9,7 +9,7 @@ import numpy as np
 from . import _core
 from ._core import InputError
 from ._input import array, finite, integer, number, read_only
-from .ensemble import Ensemble
+from .ensemble import Ensemble, describe
 from .modes import Modes
 from .profile import Profile
 from .units import convert_length, length_unit
@@ -492,21 +492,17 @@ def monte_carlo(
         modes._core, generator, first_run, runs, speeds.tolist(), points, bool(damping_input)
     )
     max_load, min_load, rms_load, max_acc, rms_acc = (read_only(result) for result in results)
-    numbers = (modes.omega, modes.damping_ratio, modes.shapes, modes.aircraft.static_load)
-    setup = {
-        "gears": tuple((gear.name, gear.x, gear.y) for gear in modes.aircraft.gears),
-        "stations": tuple(stations.items()),
-        "modes": tuple(tuple(values.ravel().tolist()) for values in numbers),
-        "roughness": roughness._rebuild[1],
-        "length": float(length),
-        "spacing": float(spacing),
-        "seed": int(seed),
-        "tracks": tracks,
-        "damping_input": bool(damping_input),
-    }
     return Ensemble(
         gear_names=modes.aircraft.gear_names,
-        setup=setup,
+        setup=setup(
+            modes,
+            roughness,
+            length=length,
+            spacing=spacing,
+            seed=seed,
+            tracks=tracks,
+            damping_input=damping_input,
+        ),
         run=numbers_of_runs,
         speed=np.broadcast_to(speeds, runs),
         static_load=np.broadcast_to(modes.aircraft.static_load, max_load.shape),
@@ -517,6 +513,29 @@ def monte_carlo(
         rms_acceleration={name: rms_acc[:, i] for i, name in enumerate(stations)},
         failures={},
     )
+
+
+def setup(
+    modes: Modes,
+    roughness: Roughness,
+    *,
+    length: float,
+    spacing: float,
+    seed: int,
+    tracks: str = "one",
+    damping_input: bool = False,
+) -> dict[str, Any]:
+    """Tell what runs of one Monte Carlo have in common, in plain numbers as JSON has them."""
+    made_of = roughness._rebuild[1]
+    return {
+        **describe(modes),
+        "roughness": [np.asarray(part).tolist() for part in made_of],
+        "length": float(length),
+        "spacing": float(spacing),
+        "seed": int(seed),
+        "tracks": tracks,
+        "damping_input": bool(damping_input),
+    }
 
 
 def _power_law(

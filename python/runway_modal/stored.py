@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._chunks import CHUNK, Chunk, chunks, joined, setup
+from ._chunks import CHUNK, Chunk, chunks, joined
 from ._core import InputError
 from ._input import read_only
 from .ensemble import Ensemble
+from .roughness import setup
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -81,19 +82,29 @@ def monte_carlo(
     parts = chunks(modes, roughness, options, chunk)
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
+    common = setup(
+        modes,
+        roughness,
+        length=options["length"],
+        spacing=options["spacing"],
+        seed=options["seed"],
+        tracks=options.get("tracks", "one"),
+        damping_input=options.get("damping_input", False),
+    )
     about = {
         "runway_modal": version("runway_modal"),
         "chunk": chunk,
         "first_run": options.get("first_run", 0),
-        **setup(modes, roughness, options),
+        "speed": np.asarray(options["speed"]).tolist(),
+        "setup": common,
     }
     _agree(folder / _SETUP, about)
     runs, done = options["runs"], 0
     if progress is not None:
         progress(done, runs)
     for part in parts:
-        file = folder / f"runs-{part.first_run:012d}-{part.last_run:012d}.parquet"
-        if not file.exists():
+        file = folder / f"runs-{part.first_run:012d}.parquet"
+        if not _holds(file, part.options["runs"]):
             _write(file, part)
         done += part.options["runs"]
         if progress is not None:
@@ -130,8 +141,8 @@ def read(directory: str | os.PathLike[str]) -> Ensemble:
     files = sorted(folder.glob("runs-*.parquet"))
     if not files:
         raise InputError(f"directory = {os.fspath(directory)!r} holds no runs")
-    static_load = json.loads((folder / _SETUP).read_text())["static load"]
-    return joined(_read(file, static_load) for file in files)
+    common = json.loads((folder / _SETUP).read_text())["setup"]
+    return joined(_read(file, common) for file in files)
 
 
 def _agree(file: Path, about: dict[str, Any]) -> None:
@@ -139,13 +150,17 @@ def _agree(file: Path, about: dict[str, Any]) -> None:
     if not file.exists():
         _replace(file, lambda path: path.write_text(json.dumps(about, indent=1)))
         return
-    there, here = json.loads(file.read_text()), json.loads(json.dumps(about))
+    there, here = (_flat(each) for each in (json.loads(file.read_text()), about))
     for key in here | there:
         if there.get(key) != here.get(key):
             raise InputError(
                 f"{file} is of another set-up: {key} = {there.get(key)!r} there, "
                 f"{here.get(key)!r} here"
             )
+
+
+def _flat(about: dict[str, Any]) -> dict[str, Any]:
+    return {**about["setup"], **{key: about[key] for key in about if key != "setup"}}
 
 
 def _replace(file: Path, write: Callable[[Path], object]) -> None:
@@ -157,12 +172,22 @@ def _replace(file: Path, write: Callable[[Path], object]) -> None:
     half.replace(file)
 
 
+def _holds(file: Path, runs: int) -> bool:
+    """Whether a file has so many runs: the last one of an earlier call may have fewer."""
+    if not file.exists():
+        return False
+    _pandas()
+    from pyarrow.parquet import read_metadata
+
+    return bool(read_metadata(file).num_rows >= runs)
+
+
 def _write(file: Path, part: Chunk) -> None:
     frame = part.compute().to_pandas()
     _replace(file, lambda path: frame.to_parquet(path))
 
 
-def _read(file: Path, static_load: list[float]) -> Ensemble:
+def _read(file: Path, common: dict[str, Any]) -> Ensemble:
     frame = _pandas().read_parquet(file)
 
     def named(quantity: str) -> dict[str, Any]:
@@ -177,9 +202,9 @@ def _read(file: Path, static_load: list[float]) -> Ensemble:
     values |= {key: named(key) for key in ("max_acceleration", "rms_acceleration")}
     return Ensemble(
         gear_names=tuple(gears["max_load"]),
-        setup={},
+        setup=common,
         failures={},
-        static_load=np.broadcast_to(static_load, values["max_load"].shape),
+        static_load=np.broadcast_to(common["static load"], values["max_load"].shape),
         **values,
     )
 

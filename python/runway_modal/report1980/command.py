@@ -1,18 +1,17 @@
-"""The full-mat comparison, and the page, as a command."""
+"""The full-mat comparison as a command."""
 
 from __future__ import annotations
 
 import argparse
 
 from .comparison import lines
-from .page import write_page
 from .runs import full_mat
 from .tables import TABLE_3, TABLE_4
 
 
 def main(arguments: list[str] | None = None) -> None:
     """
-    Print the comparison and draw its figure, or write the page.
+    Print the comparison and draw its figure.
 
     Parameters
     ----------
@@ -28,18 +27,12 @@ def main(arguments: list[str] | None = None) -> None:
     """
     parser = argparse.ArgumentParser(
         prog="python -m runway_modal.report1980",
-        description="The 1980 report's full-mat comparison, or all of it as a page.",
+        description="The 1980 report's full-mat comparison.",
     )
     parser.add_argument(
         "--figure", default="full_mat.png", help="where to draw (default %(default)s; '' for none)"
     )
-    parser.add_argument(
-        "--out", metavar="DIR", help="write the page of all tables and figures there instead"
-    )
     options = parser.parse_args(arguments)
-    if options.out is not None:
-        print(f"Page: {write_page(options.out)}")
-        return
     responses = {table.stiffness: full_mat(table.stiffness) for table in (TABLE_3, TABLE_4)}
     print("\n".join(lines(responses)))
     if options.figure:

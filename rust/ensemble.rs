@@ -19,12 +19,17 @@ use crate::modes::Modes;
 use crate::parallel;
 use crate::watch::Pulse;
 
+mod constants;
 mod kernel;
 mod records;
 mod row;
 mod setup;
+mod vector;
 
-use kernel::{Constants, March, PERIODS};
+use constants::Constants;
+use kernel::{March, PERIODS};
+use pulp::Arch;
+pub use pulp::Simd;
 pub use row::{RUNS, Row};
 use setup::{Setup, Stations};
 
@@ -47,9 +52,9 @@ pub trait Reader {
     /// Turns to `count` runs from `first` on.
     fn open(&mut self, first: usize, count: usize);
 
-    /// Elevations of a track at so many stations from `first` on. Lanes without a run are to hold
-    /// finite numbers.
-    fn read(&mut self, track: usize, first: usize, out: &mut [Row]);
+    /// Elevations of a track at so many stations from `first` on, by the instructions of `simd`. Lanes
+    /// without a run are to hold finite numbers.
+    fn read<S: Simd>(&mut self, simd: S, track: usize, first: usize, out: &mut [Row]);
 }
 
 /// Elevations in memory, run by run, track by track.
@@ -112,19 +117,37 @@ impl<T: Copy + Into<f64>> Reader for MemoryReader<'_, T> {
         (self.first, self.count) = (first, count);
     }
 
-    fn read(&mut self, track: usize, first: usize, out: &mut [Row]) {
+    #[inline(always)]
+    fn read<S: Simd>(&mut self, simd: S, track: usize, first: usize, out: &mut [Row]) {
         let Memory { elevations, tracks, stations } = self.memory;
         let lanes: [&[T]; RUNS] = std::array::from_fn(|lane| {
             // An idle lane repeats the last run.
             let run = self.first + lane.min(self.count - 1);
             &elevations[(run * tracks + track) * stations + first..][..out.len()]
         });
-        for (i, row) in out.iter_mut().enumerate() {
+        vector::turn(simd, lanes, out);
+        // So many streams at once are more than the machine follows by itself.
+        let behind = (first + out.len())..(first + 2 * out.len()).min(stations);
+        if !behind.is_empty() {
             for lane in 0..RUNS {
-                row[lane] = lanes[lane][i].into();
+                let run = self.first + lane.min(self.count - 1);
+                fetch(&elevations[(run * tracks + track) * stations..][behind.clone()]);
             }
         }
     }
+}
+
+/// Has what will soon be read brought into the cache.
+#[inline(always)]
+fn fetch<T>(values: &[T]) {
+    #[cfg(target_arch = "x86_64")]
+    for line in values.chunks(64 / size_of::<T>()) {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: every x86-64 has this instruction, and it may name any address.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast()) }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = values;
 }
 
 /// What many runs have in common, and what not.
@@ -280,7 +303,7 @@ impl Lot {
     }
 
     fn march(&self) -> March<'_> {
-        March::new(&self.setups, &self.constants)
+        March::new(Arch::new(), &self.setups, &self.constants)
     }
 }
 

@@ -19,7 +19,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::coherence::Coherency;
-use crate::ensemble::{RUNS, Reader, Row, Source};
+use crate::ensemble::{RUNS, Reader, Row, Simd, Source};
 use crate::error::{Error, Result, finite, positive};
 use crate::fourier::{NONE, Pair, Transform, times};
 use crate::parallel::threads;
@@ -260,7 +260,8 @@ impl Reader for RunsReader<'_> {
         self.runs.generator.fill_from(self.runs.first.wrapping_add(first as u64), &mut self.block);
     }
 
-    fn read(&mut self, track: usize, first: usize, out: &mut [Row]) {
+    #[inline(always)]
+    fn read<S: Simd>(&mut self, _simd: S, track: usize, first: usize, out: &mut [Row]) {
         let track = self.block.track(self.runs.generator.track_of[track]);
         out.copy_from_slice(&track[first..][..out.len()]);
     }

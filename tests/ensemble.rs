@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use runway_modal::aircraft::{Aircraft, Gear, Inertia};
-use runway_modal::ensemble::{Memory, Plan, Reader, Row, Source, simulate};
+use runway_modal::ensemble::{Memory, Plan, Reader, Row, Simd, Source, simulate};
 use runway_modal::error::Error;
 use runway_modal::modes::Modes;
 
@@ -58,7 +58,7 @@ impl Reader for MadeReader {
         (self.first, self.count) = (first, count);
     }
 
-    fn read(&mut self, track: usize, first: usize, out: &mut [Row]) {
+    fn read<S: Simd>(&mut self, _simd: S, track: usize, first: usize, out: &mut [Row]) {
         assert!(first + out.len() <= STATIONS);
         for (i, row) in out.iter_mut().enumerate() {
             for lane in 0..self.count {

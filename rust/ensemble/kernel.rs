@@ -1,16 +1,17 @@
-//! Runs side by side, a block of periods at a time: slopes, states, moments, values.
+//! Runs side by side, a block of periods at a time: rises, states, values, moments.
 //!
 //! A block's numbers stay in the first-level cache from one pass to the next; every pass is a plain
-//! loop over rows. (The rows' bounds are left to be checked in these loops on purpose: the compiler
-//! would otherwise vectorise across periods instead of runs, by gathering and scattering.)
+//! loop over registers full of runs.
 
 use std::ops::Range;
 
-use multiversion::multiversion;
+use pulp::{Arch, Simd, WithSimd};
 
+use super::constants::{BoundRows, Constants, States, of_lane};
 use super::records::{Candidate, Records};
 use super::row::Row;
-use super::setup::{Bound, Layout, MODES, Reading, Setup};
+use super::setup::{Layout, MODES, Setup};
+use super::vector::{Part, Vector, parts};
 use super::{Reader, Statistics};
 use crate::extremes::Output;
 use crate::lanes::Lanes;
@@ -19,150 +20,33 @@ use crate::transition::{self, State};
 /// Periods of a block.
 pub(super) const PERIODS: usize = 32;
 
+/// Periods whose values are looked at again together.
+const CHUNK: usize = 8;
+
 const ZERO: Row = Row::ZERO;
 
 /// A row for each period of a block.
 type Rows = [Row; PERIODS];
 
-/// d and ẏ/ω of each mode.
-type States<T> = [T; 2 * MODES];
+/// One more: what the last period leaves.
+type MoreRows = [Row; PERIODS + 1];
 
-/// The set-up of a lane; of idle ones, the last.
-fn of_lane(setups: &[Setup], lane: usize) -> &Setup {
-    &setups[lane.min(setups.len() - 1)]
-}
-
-/// A number of every lane's set-up.
-fn gather(setups: &[Setup], part: impl Fn(&Setup) -> f64) -> Row {
-    Row(std::array::from_fn(|lane| part(of_lane(setups, lane))))
-}
-
-/// One mode's transition over a leg.
-#[derive(Clone, Copy)]
-struct Step {
-    g: Row,
-    s: Row,
-    w: Row,
-    h: Row,
-}
-
-/// Weights of an output.
-struct Weights {
-    d: [Row; MODES],
-    v: [Row; MODES],
-    rise: Vec<Row>,
-    /// Of the rises, at the end of each leg: heights grow on the way.
-    end_rise: Vec<Vec<Row>>,
-    height: Vec<Row>,
-    first: Vec<Row>,
-    bulge: [BoundRows; 2],
-}
-
-impl Weights {
-    /// What the state gives; without rates, displacements alone.
-    #[inline(always)]
-    fn of(&self, state: &States<Row>, rates: bool) -> Row {
-        let Self { d, v, .. } = self;
-        let value = (d[0] * state[0] + d[1] * state[1]) + d[2] * state[2];
-        if rates { value + ((v[0] * state[3] + v[1] * state[4]) + v[2] * state[5]) } else { value }
-    }
-}
-
-/// See [`Bound`].
-struct BoundRows {
-    state: States<Row>,
-    after: Vec<Row>,
-    before: Vec<Row>,
-}
-
-impl BoundRows {
-    fn new(setups: &[Setup], of: impl Fn(&Setup) -> &Bound) -> Self {
-        let groups = setups[0].layout.groups.len();
-        Self {
-            state: std::array::from_fn(|i| gather(setups, |s| of(s).state[i / MODES][i % MODES])),
-            after: (0..groups).map(|g| gather(setups, |s| of(s).after[g])).collect(),
-            before: (0..groups).map(|g| gather(setups, |s| of(s).before[g])).collect(),
-        }
-    }
-}
-
-/// Constants of the runs side by side.
-pub(super) struct Constants {
-    /// Leg by leg, mode by mode.
-    steps: Vec<[Step; MODES]>,
-    climb: Vec<[Row; MODES]>,
-    drag: Vec<[Row; MODES]>,
-    weights: Vec<Weights>,
-    /// Square of each leg's length as a share of the longest one's.
-    shorter: Vec<Row>,
-    /// How far each leg begins from a group's station, in spacings: leg by leg, group by group.
-    from_station: Vec<Vec<Row>>,
-}
-
-impl Constants {
-    pub fn new(setups: &[Setup]) -> Self {
-        let layout = &setups[0].layout;
-        let (legs, groups) = (layout.legs, layout.groups.len());
-        let step = |leg: usize, m: usize| Step {
-            g: gather(setups, |s| s.transition[leg].g[m]),
-            s: gather(setups, |s| s.transition[leg].s[m]),
-            w: gather(setups, |s| s.transition[leg].w[m]),
-            h: gather(setups, |s| s.transition[leg].h[m]),
-        };
-        let by_mode = |of: &dyn Fn(&Setup) -> Lanes| std::array::from_fn(|m| gather(setups, |s| of(s)[m]));
-        let weights = |output: usize| {
-            let by_group = |of: &dyn Fn(&Reading, &Setup, usize) -> f64| -> Vec<Row> {
-                (0..groups).map(|g| gather(setups, |s| of(&s.readings[output], s, g))).collect()
-            };
-            Weights {
-                d: by_mode(&|s| s.readings[output].output.form.d),
-                v: by_mode(&|s| s.readings[output].output.form.v),
-                rise: by_group(&|r, _, g| r.rise[g]),
-                end_rise: (0..legs)
-                    .map(|leg| by_group(&|r, s, g| r.rise[g] + r.rate[g] * s.dt[leg]))
-                    .collect(),
-                height: by_group(&|r, _, g| r.height[g]),
-                first: by_group(&|r, _, g| r.first[g]),
-                bulge: [0, 1].map(|kind| BoundRows::new(setups, |s| &s.readings[output].bulge[kind])),
-            }
-        };
-        Self {
-            steps: (0..legs).map(|leg| std::array::from_fn(|m| step(leg, m))).collect(),
-            climb: (0..groups).map(|g| by_mode(&|s| s.climb[g])).collect(),
-            drag: (0..groups).map(|g| by_mode(&|s| s.drag[g])).collect(),
-            weights: (0..setups[0].readings.len()).map(weights).collect(),
-            shorter: (0..legs)
-                .map(|leg| gather(setups, |s| (s.dt[leg] / s.dt.iter().copied().fold(0.0, f64::max)).powi(2)))
-                .collect(),
-            from_station: (0..legs)
-                .map(|leg| (0..groups).map(|g| gather(setups, |s| s.begin[leg] - s.part[g])).collect())
-                .collect(),
-        }
-    }
-}
+/// What the slopes under the gears of one leg drive the modes with: rates of their static positions
+/// ÷ ω and forces ÷ ω².
+type Push<T> = [[T; MODES]; 2];
 
 /// One group's elevations and rises in a block.
 #[derive(Clone)]
 struct Ground {
     /// Elevation of the station met in each period, and of the next one.
-    z: [Row; PERIODS + 1],
+    z: MoreRows,
     /// Rise up to the station met in each period, and from the last one on.
-    rise: [Row; PERIODS + 1],
-}
-
-/// What drives the modes from one leg of a period on: rates of their static positions ÷ ω and
-/// forces ÷ ω², in the period at hand and in the one before.
-#[derive(Clone)]
-struct Drive {
-    groups: Range<usize>,
-    beta: [Row; MODES],
-    gamma: [Row; MODES],
-    last_beta: [Row; MODES],
-    last_gamma: [Row; MODES],
+    rise: MoreRows,
 }
 
 /// Where several runs are on their way.
 pub(super) struct March<'a> {
+    arch: Arch,
     setups: &'a [Setup],
     pub layout: &'a Layout,
     constants: &'a Constants,
@@ -172,41 +56,44 @@ pub(super) struct March<'a> {
     first_rows: Vec<Rows>,
     origin: Row,
     /// States at the start of each leg, leg by leg, and at the end of the block.
-    states: Vec<States<Rows>>,
+    states: Vec<States<MoreRows>>,
     state: States<Row>,
     /// Heights at the start of each leg, leg by leg, group by group.
     heights: Vec<Vec<Rows>>,
-    /// Leg by leg.
-    drives: Vec<Drive>,
-    /// Values at the starts of the legs, output by output, leg by leg; of one output just before
-    /// their ends, where these are not the next ones' starts.
-    values: Vec<Vec<Rows>>,
+    /// Leg by leg, since their gears' last stations.
+    pushes: Vec<Push<Row>>,
+    /// One output's values at the starts of the legs, leg by leg, and at the end of the block; where it
+    /// may jump, also just before the legs' ends.
+    starts: Vec<MoreRows>,
     ends: Vec<Rows>,
-    /// Largest and smallest values of each output in the block.
-    edges: Vec<[Row; 2]>,
+    /// The largest and the smallest of them in each chunk.
+    edges: [[Row; 2]; PERIODS / CHUNK],
     /// Moments of the periods' rows, lower triangle, over the run and over its tail.
     moments: [Vec<Row>; 2],
+    /// Rows of a period, by threes.
+    triples: Vec<Range<usize>>,
+    /// Roots of the sums of squares of the block's states and rises.
+    reach: Vec<Row>,
+    /// Of the runs that are over: integrals of the squares, output by output; 0 of those that have
+    /// remained finite.
+    squares: Vec<Row>,
+    flaw: Row,
     records: Records,
     /// Tools to search with, set-up by set-up, output by output.
     searches: Vec<Vec<Output>>,
 }
 
 impl<'a> March<'a> {
-    pub fn new(setups: &'a [Setup], constants: &'a Constants) -> Self {
+    pub fn new(arch: Arch, setups: &'a [Setup], constants: &'a Constants) -> Self {
         let layout = &*setups[0].layout;
         let searches = |setup: &Setup| setup.readings.iter().map(|reading| reading.output.clone()).collect();
         let groups = layout.groups.len();
         let rows = layout.rows();
         let heights = if layout.heights { groups } else { 0 };
         let none = [ZERO; PERIODS];
-        let still = [ZERO; MODES];
-        let drive = |leg: usize| {
-            let begin = layout.groups.iter().take_while(|group| group.leg < leg).count();
-            let count = layout.groups.iter().filter(|group| group.leg == leg).count();
-            let groups = begin..begin + count;
-            Drive { groups, beta: still, gamma: still, last_beta: still, last_gamma: still }
-        };
+        let outputs = constants.weights.len();
         Self {
+            arch,
             setups,
             layout,
             constants,
@@ -214,15 +101,19 @@ impl<'a> March<'a> {
             first: vec![ZERO; groups],
             first_rows: vec![none; heights],
             origin: ZERO,
-            states: vec![[none; 2 * MODES]; layout.legs],
+            states: vec![[[ZERO; PERIODS + 1]; 2 * MODES]; layout.legs],
             state: [ZERO; 2 * MODES],
             heights: vec![vec![none; heights]; layout.legs],
-            drives: (0..layout.legs).map(drive).collect(),
-            values: vec![vec![none; layout.legs]; constants.weights.len()],
-            ends: vec![none; if layout.damped { layout.legs } else { 0 }],
-            edges: vec![[ZERO; 2]; constants.weights.len()],
+            pushes: vec![[[ZERO; MODES]; 2]; layout.legs],
+            starts: vec![[ZERO; PERIODS + 1]; layout.legs],
+            ends: vec![none; if layout.lines { layout.legs } else { 0 }],
+            edges: [[ZERO; 2]; PERIODS / CHUNK],
             moments: [vec![ZERO; rows * (rows + 1) / 2], vec![ZERO; rows * (rows + 1) / 2]],
-            records: Records::new(layout.loads, constants.weights.len()),
+            triples: layout.triples(),
+            reach: vec![ZERO; 2 * MODES + groups + layout.inner().count()],
+            squares: vec![ZERO; outputs],
+            flaw: ZERO,
+            records: Records::new(layout.loads, outputs),
             searches: setups.iter().map(searches).collect(),
         }
     }
@@ -230,9 +121,7 @@ impl<'a> March<'a> {
     /// Begins anew, at rest on the first elevations.
     pub fn start(&mut self, reader: &mut impl Reader) {
         self.state = [ZERO; 2 * MODES];
-        for drive in &mut self.drives {
-            (drive.beta, drive.gamma) = ([ZERO; MODES], [ZERO; MODES]);
-        }
+        self.pushes.fill([[ZERO; MODES]; 2]);
         for ground in &mut self.ground {
             ground.rise[PERIODS] = ZERO;
         }
@@ -241,7 +130,7 @@ impl<'a> March<'a> {
         }
         self.records.restart();
         for (ground, group) in self.ground.iter_mut().zip(&self.layout.groups) {
-            reader.read(group.track, 0, &mut ground.z[PERIODS..]);
+            reader.read(pulp::Scalar, group.track, 0, &mut ground.z[PERIODS..]);
         }
         self.origin = self.ground[self.layout.datum].z[PERIODS];
         for (first, ground) in self.first.iter_mut().zip(&self.ground) {
@@ -269,6 +158,20 @@ impl<'a> March<'a> {
         count: usize,
         tail: bool,
     ) {
+        let block = Block { march: self, reader, stations, period, count, tail };
+        block.march.arch.dispatch(block);
+    }
+
+    /// Elevations of the block's stations and the one before.
+    #[inline(always)]
+    fn read_ground<S: Simd>(
+        &mut self,
+        simd: S,
+        reader: &mut impl Reader,
+        stations: usize,
+        period: usize,
+        count: usize,
+    ) {
         for (ground, group) in self.ground.iter_mut().zip(&self.layout.groups) {
             ground.z[0] = ground.z[PERIODS];
             ground.rise[0] = ground.rise[PERIODS];
@@ -280,26 +183,18 @@ impl<'a> March<'a> {
             let start = ground.z[0];
             ground.z[1..before].fill(start);
             if after > before {
-                reader.read(group.track, first, &mut ground.z[before..after]);
+                reader.read(simd, group.track, first, &mut ground.z[before..after]);
             }
             let end = ground.z[after - 1];
             ground.z[after..=count].fill(end);
-        }
-        let legs = if tail { self.layout.tail } else { self.layout.legs };
-        work(self, count, legs, tail);
-        for ground in &mut self.ground {
-            ground.z[PERIODS] = ground.z[count];
-            ground.rise[PERIODS] = ground.rise[count];
         }
     }
 }
 
 impl March<'_> {
-    /// Whether a run has remained in the range of double precision: what is not finite stays so, in
-    /// states and moments; without any, in the first elevations.
+    /// Whether a run has remained in the range of double precision.
     pub fn is_finite(&self, lane: usize) -> bool {
-        self.moments.iter().flatten().chain(&self.first).all(|row| row[lane].is_finite())
-            && self.origin[lane].is_finite()
+        self.flaw[lane] == 0.0
     }
 
     /// Appends the results of a run that is over.
@@ -311,9 +206,8 @@ impl March<'_> {
             let (mut max, mut min, mut rms) = (f64::NAN, f64::NAN, f64::NAN);
             if valid {
                 (max, min) = self.records.settle(setup, output, lane, search);
-                let squares = self.moments.iter().zip(&setup.readings[output].square);
-                let square: f64 = squares.map(|(moments, form)| quadratic(moments, form, lane)).sum();
-                rms = if setup.duration > 0.0 { (square.max(0.0) / setup.duration).sqrt() } else { 0.0 };
+                let square = self.squares[output][lane].max(0.0);
+                rms = if setup.duration > 0.0 { (square / setup.duration).sqrt() } else { 0.0 };
             }
             if let Some(level) = setup.static_load.get(output) {
                 out.max_load.push(level + max);
@@ -327,99 +221,147 @@ impl March<'_> {
     }
 }
 
-/// Σ form × moments, the moments' lower triangle given.
-fn quadratic(moments: &[Row], form: &[f64], lane: usize) -> f64 {
-    form.iter().zip(moments).map(|(weight, moment)| weight * moment[lane]).sum()
+/// See [`March::block`].
+struct Block<'m, 'a, R> {
+    march: &'m mut March<'a>,
+    reader: &'m mut R,
+    stations: usize,
+    period: usize,
+    count: usize,
+    tail: bool,
 }
 
-/// What of a block is arithmetic.
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn work(march: &mut March, count: usize, legs: usize, tail: bool) {
-    match (march.layout.legs, march.layout.damped) {
-        (1, false) if !tail => march.find_states::<1, false>(count, legs),
-        (2, false) if !tail => march.find_states::<2, false>(count, legs),
-        (_, false) => march.find_states::<0, false>(count, legs),
-        (_, true) => march.find_states::<0, true>(count, legs),
-    }
-    if march.layout.heights {
-        // The tail ends where its next leg begins.
-        march.find_heights(count, if tail { legs + 1 } else { legs });
-    }
-    let reach = march.find_moments(count, tail);
-    march.look(count, legs, &reach);
-    if tail && march.layout.damped {
-        march.look_back(legs);
+impl<R: Reader> WithSimd for Block<'_, '_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { march, reader, stations, period, count, tail } = self;
+        march.read_ground(simd, reader, stations, period, count);
+        march.find_rises(simd, count);
+        if tail {
+            march.close_moments(simd);
+        }
+        let legs = if tail { march.layout.tail } else { march.layout.legs };
+        match (legs, march.layout.damped) {
+            (0, _) => march.states[0].iter_mut().zip(&march.state).for_each(|(rows, now)| rows[0] = *now),
+            (1, false) if !tail => march.find_states::<S, 1, false>(simd, count, legs),
+            (2, false) if !tail => march.find_states::<S, 2, false>(simd, count, legs),
+            (_, false) => march.find_states::<S, 0, false>(simd, count, legs),
+            (_, true) => march.find_states::<S, 0, true>(simd, count, legs),
+        }
+        if march.layout.heights {
+            // The tail ends where its next leg begins.
+            march.find_heights(count, if tail { legs + 1 } else { legs });
+        }
+        march.find_moments(simd, count, tail);
+        march.look(simd, count, legs);
+        if tail && march.layout.damped {
+            march.look_back(simd, legs);
+        }
+        if tail {
+            march.conclude(simd);
+        }
+        for ground in &mut march.ground {
+            ground.z[PERIODS] = ground.z[count];
+            ground.rise[PERIODS] = ground.rise[count];
+        }
     }
 }
 
 impl March<'_> {
-    /// Rises, and states at the start of every leg; `L` legs, any number for 0.
+    /// Rises up to the stations met.
     #[inline(always)]
-    fn find_states<const L: usize, const DAMPED: bool>(&mut self, count: usize, legs: usize) {
-        let Self { layout, constants, ground, states, state, drives, values, edges, .. } = self;
-        let outputs = constants.weights.len();
-        edges.fill([Row::all(f64::NEG_INFINITY), Row::all(f64::INFINITY)]);
-        let all = if L == 0 { drives.len() } else { L };
-        let legs = if L == 0 { legs } else { L };
-        let (drives, states, steps) = (&mut drives[..all], &mut states[..all], &constants.steps[..all]);
-        let mut now = *state;
-        for i in 0..count {
-            for drive in &mut *drives {
-                drive.last_beta = drive.beta;
-                if DAMPED {
-                    drive.last_gamma = drive.gamma;
-                }
-                let (mut beta, mut gamma) = ([ZERO; MODES], [ZERO; MODES]);
-                for group in drive.groups.clone() {
-                    let Ground { z, rise } = &mut ground[group];
-                    let up = z[i + 1] - z[i];
-                    rise[i + 1] = up;
-                    for mode in 0..MODES {
-                        beta[mode] += constants.climb[group][mode] * up;
-                        if DAMPED {
-                            gamma[mode] += constants.drag[group][mode] * up;
-                        }
-                    }
-                }
-                drive.beta = beta;
-                if DAMPED {
-                    drive.gamma = gamma;
+    fn find_rises<S: Simd>(&mut self, simd: S, count: usize) {
+        for Ground { z, rise } in &mut self.ground {
+            let (z, rise) = (&z[..=count], &mut rise[..=count]);
+            for part in parts(simd) {
+                for i in 0..count {
+                    part.store(part.load(&z[i + 1]) - part.load(&z[i]), &mut rise[i + 1]);
                 }
             }
-            for leg in 0..legs {
-                for output in 0..outputs {
-                    let value = constants.weights[output].of(&now, layout.by_rate[output]);
-                    values[output][leg][i] = value;
-                    let [top, bottom] = &mut edges[output];
-                    *top = top.max(value);
-                    *bottom = bottom.min(value);
+        }
+    }
+
+    /// States at the start of every leg; `L` legs, any number for 0.
+    #[inline(always)]
+    fn find_states<S: Simd, const L: usize, const DAMPED: bool>(
+        &mut self,
+        simd: S,
+        count: usize,
+        legs: usize,
+    ) {
+        for part in parts(simd) {
+            if L == 0 {
+                let mut pushes: Vec<_> = self.pushes.iter().map(|push| loaded(part, push)).collect();
+                self.march::<S, DAMPED>(part, count, legs, &mut pushes);
+            } else {
+                let mut pushes = [[[part.all(0.0); MODES]; 2]; L];
+                for (push, kept) in pushes.iter_mut().zip(&self.pushes) {
+                    *push = loaded(part, kept);
                 }
-                for mode in 0..MODES {
-                    let Step { g, s, w, h } = steps[leg][mode];
-                    let (mut beta, mut gamma) = (drives[0].beta[mode], drives[0].gamma[mode]);
-                    for from in 1..all {
-                        let Drive { beta: new_beta, gamma: new_gamma, last_beta, last_gamma, .. } =
-                            &drives[from];
-                        beta += if from <= leg { new_beta[mode] } else { last_beta[mode] };
+                self.march::<S, DAMPED>(part, count, L, &mut pushes);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn march<S: Simd, const DAMPED: bool>(
+        &mut self,
+        part: Part<S>,
+        count: usize,
+        legs: usize,
+        pushes: &mut [Push<Vector<S>>],
+    ) {
+        let Self { layout, constants, ground, states, state, .. } = self;
+        let (members, steps) = (&layout.members[..legs], &constants.steps[..legs]);
+        let mut now = part.load_all(state);
+        for i in 0..count {
+            for leg in 0..legs {
+                let mut push = [[part.all(0.0); MODES]; 2];
+                for group in members[leg].clone() {
+                    let rise = part.load(&ground[group].rise[i + 1]);
+                    for mode in 0..MODES {
+                        push[0][mode] = push[0][mode] + part.load(&constants.climb[group][mode]) * rise;
                         if DAMPED {
-                            gamma += if from <= leg { new_gamma[mode] } else { last_gamma[mode] };
+                            push[1][mode] = push[1][mode] + part.load(&constants.drag[group][mode]) * rise;
                         }
                     }
+                }
+                pushes[leg] = push;
+                for (now, rows) in now.iter().zip(&mut states[leg]) {
+                    part.store(*now, &mut rows[i]);
+                }
+                for mode in 0..MODES {
+                    let [mut beta, mut gamma] = [pushes[0][0][mode], pushes[0][1][mode]];
+                    for [more_beta, more_gamma] in &pushes[1..] {
+                        beta = beta + more_beta[mode];
+                        if DAMPED {
+                            gamma = gamma + more_gamma[mode];
+                        }
+                    }
+                    let step = &steps[leg][mode];
+                    let [g, s, w, h] = part.load_all(&[step.g, step.s, step.w, step.h]);
                     let (d, v) = (now[mode], now[MODES + mode]);
-                    states[leg][mode][i] = d;
-                    states[leg][MODES + mode][i] = v;
-                    let pull = s * v - g * d;
-                    let (mut after_d, mut after_v) =
-                        ((d - h * beta) + pull, (v + g * beta) - (w * v + s * d));
+                    let mut after_d = (d - h * beta) + (s * v - g * d);
+                    let mut after_v = (v + g * beta) - (w * v + s * d);
                     if DAMPED {
-                        after_d += g * gamma;
-                        after_v += s * gamma;
+                        after_d = after_d + g * gamma;
+                        after_v = after_v + s * gamma;
                     }
                     (now[mode], now[MODES + mode]) = (after_d, after_v);
                 }
             }
         }
-        *state = now;
+        let (leg, i) = layout.after(legs - 1, count - 1);
+        for (k, now) in now.into_iter().enumerate() {
+            part.store(now, &mut states[leg][k][i]);
+            part.store(now, &mut state[k]);
+        }
+        for (push, kept) in pushes.iter().flatten().flatten().zip(self.pushes.iter_mut().flatten().flatten())
+        {
+            part.store(*push, kept);
+        }
     }
 
     /// Elevations at the start of every leg, as heights above the first group's, and its own rise.
@@ -443,136 +385,210 @@ impl March<'_> {
         }
     }
 
-    /// Adds up the products of a block's rows; gives the roots of the squares of states and rises.
+    /// Adds up the products of a block's rows.
     #[inline(always)]
-    fn find_moments(&mut self, count: usize, tail: bool) -> Vec<Row> {
-        let Self { layout, ground, states, heights, first_rows, moments, .. } = self;
+    fn find_moments<S: Simd>(&mut self, simd: S, count: usize, tail: bool) {
+        let Self { layout, ground, states, heights, first_rows, moments, reach, triples, .. } = self;
         let mut rows: Vec<&[Row]> = states[0].iter().map(|rows| &rows[..count]).collect();
         rows.extend(ground.iter().map(|ground| &ground.rise[1..=count]));
         rows.extend(layout.inner().map(|group| &ground[group].rise[..count]));
-        let plain = rows.len();
         rows.extend(heights[0].iter().map(|rows| &rows[..count]));
         rows.extend(first_rows.iter().map(|rows| &rows[..count]));
         let moments = &mut moments[usize::from(tail)];
-        let mut roots = vec![ZERO; plain];
-        for top in (0..rows.len()).step_by(3) {
-            let high = (rows.len() - top).min(3);
-            let pick =
-                |at: usize| std::array::from_fn::<&[Row], 3, _>(|k| rows[(at + k).min(rows.len() - 1)]);
+        let (plain, inner) = (2 * MODES, layout.inner_rows());
+        for (t, top) in triples.iter().enumerate() {
+            let pick = |triple: &Range<usize>| {
+                std::array::from_fn::<&[Row], 3, _>(|k| rows[(triple.start + k).min(triple.end - 1)])
+            };
             let a = pick(top);
-            for left in (0..=top).step_by(3) {
-                let sums = match (top == left, high) {
-                    (true, _) => triangle(a, count),
-                    (false, 1) => products::<1>(a, pick(left), count),
-                    (false, 2) => products::<2>(a, pick(left), count),
-                    (false, _) => products::<3>(a, pick(left), count),
+            for left in &triples[..=t] {
+                let follows =
+                    inner.contains(&top.start) && (left.end <= plain || inner.contains(&left.start));
+                if follows && !tail {
+                    continue;
+                }
+                let sums = match (top == left, top.len()) {
+                    (true, _) => triangle(simd, a),
+                    (false, 1) => products::<S, 1>(simd, a, pick(left)),
+                    (false, 2) => products::<S, 2>(simd, a, pick(left)),
+                    (false, _) => products::<S, 3>(simd, a, pick(left)),
                 };
-                for (i, sums) in sums.iter().enumerate().take(high) {
-                    let row = top + i;
-                    for (column, sum) in (left..=row).zip(sums) {
-                        moments[row * (row + 1) / 2 + column] += *sum;
-                        if column == row && row < plain {
-                            roots[row] = sum.sqrt();
+                for (row, sums) in top.clone().zip(&sums) {
+                    for (column, sum) in left.clone().zip(sums).filter(|&(column, _)| column <= row) {
+                        moments[place(row, column)] += *sum;
+                        if column == row && row < reach.len() {
+                            reach[row] = sum.sqrt();
                         }
                     }
                 }
             }
         }
-        roots
+        for (row, (group, before)) in inner.zip(layout.inner().zip(&rows[layout.inner_rows()])) {
+            let after = reach[plain + group];
+            reach[row] = (after * after + before[0] * before[0]).sqrt();
+        }
+    }
+
+    /// What the end of the last period adds to the moments that follow from others: see
+    /// [`Setup::square`].
+    #[inline(always)]
+    fn close_moments<S: Simd>(&mut self, simd: S) {
+        let Self { layout, ground, state, moments, .. } = self;
+        let [moments, _] = moments;
+        for part in parts(simd) {
+            for (row, group) in layout.inner_rows().zip(layout.inner()) {
+                let last = part.all(0.0) - part.load(&ground[group].rise[0]);
+                for (column, state) in state.iter().enumerate() {
+                    part.store(last * part.load(state), &mut moments[place(row, column)]);
+                }
+                for (column, group) in
+                    layout.inner_rows().zip(layout.inner()).take_while(|&(column, _)| column <= row)
+                {
+                    part.store(last * part.load(&ground[group].rise[0]), &mut moments[place(row, column)]);
+                }
+            }
+        }
+    }
+
+    /// Integrals of the squares over the runs, and what is not finite: that stays so, in states and
+    /// moments; without any, in the first elevations.
+    #[inline(always)]
+    fn conclude<S: Simd>(&mut self, simd: S) {
+        for part in parts(simd) {
+            let mut flaw = part.all(0.0) * part.load(&self.origin);
+            for row in self.moments.iter().flatten().chain(&self.first) {
+                flaw = flaw + part.all(0.0) * part.load(row);
+            }
+            part.store(flaw, &mut self.flaw);
+            for (weights, square) in self.constants.weights.iter().zip(&mut self.squares) {
+                let mut sum = part.all(0.0);
+                for (weight, moment) in weights.square.iter().flatten().zip(self.moments.iter().flatten()) {
+                    sum = sum + part.load(weight) * part.load(moment);
+                }
+                part.store(sum, square);
+            }
+        }
     }
 
     /// Values at the ends of all legs; keeps the stretches that may hold a record.
     #[inline(always)]
-    fn look(&mut self, count: usize, legs: usize, reach: &[Row]) {
+    fn look<S: Simd>(&mut self, simd: S, count: usize, legs: usize) {
         if count * legs == 0 {
             return;
         }
         for output in 0..self.constants.weights.len() {
-            let mut edges = self.edges[output];
-            if self.layout.lines {
-                edges = [Row::all(f64::NEG_INFINITY), Row::all(f64::INFINITY)];
+            match (self.layout.by_rate[output], self.layout.lines) {
+                (false, false) => self.find_values::<S, false, false>(simd, output, count, legs),
+                (true, false) => self.find_values::<S, true, false>(simd, output, count, legs),
+                (_, true) => self.find_values::<S, true, true>(simd, output, count, legs),
             }
-            for leg in 0..legs {
-                if self.layout.lines {
-                    self.add_lines(output, leg, count);
-                    scan(&self.values[output][leg][..count], &mut edges);
-                }
-                if self.layout.damped {
-                    for i in 0..count {
-                        self.ends[leg][i] = self.end_value(output, leg, legs, i, count);
-                    }
-                    scan(&self.ends[leg][..count], &mut edges);
-                }
+            let [mut top, mut bottom] = self.edges[0];
+            for edges in &self.edges[1..count.div_ceil(CHUNK)] {
+                (top, bottom) = (top.max(edges[0]), bottom.min(edges[1]));
             }
-            let last = self.end_value(output, legs - 1, legs, count - 1, count);
-            scan(&[last], &mut edges);
-            let [top, bottom] = edges;
             self.records.see(output, top, bottom);
-            let bulges = self.bulges(output, reach);
-            if self.records.may_hold(output, top, bottom, bulges[0].min(bulges[1])) {
-                self.sift(output, (count, legs), bulges, last);
+            let bulges = self.bulges(output);
+            let most = bulges[0].min(bulges[1]);
+            if self.records.may_break(output, top, bottom, most) != [0, 0] {
+                for chunk in 0..count.div_ceil(CHUNK) {
+                    let [top, bottom] = self.edges[chunk];
+                    if self.records.may_break(output, top, bottom, most) != [0, 0] {
+                        let periods = CHUNK * chunk..count.min(CHUNK * (chunk + 1));
+                        self.sift(simd, output, periods, legs, [&bulges[0], &most]);
+                    }
+                }
             }
         }
+    }
+
+    /// Values of an output at the ends of all legs.
+    #[inline(always)]
+    fn find_values<S: Simd, const RATES: bool, const LINES: bool>(
+        &mut self,
+        simd: S,
+        output: usize,
+        count: usize,
+        legs: usize,
+    ) {
+        for part in parts(simd) {
+            let weights = part.load_all(&self.constants.weights[output].state);
+            for chunk in 0..count.div_ceil(CHUNK) {
+                let periods = CHUNK * chunk..count.min(CHUNK * (chunk + 1));
+                let (mut top, mut bottom) = (part.all(f64::NEG_INFINITY), part.all(f64::INFINITY));
+                for leg in 0..legs {
+                    for i in periods.clone() {
+                        let mut value = value::<S, RATES>(part, &weights, &self.states[leg], i);
+                        if LINES {
+                            value = value + self.lines(part, output, (leg, i), false);
+                        }
+                        part.store(value, &mut self.starts[leg][i]);
+                        (top, bottom) = (top.max(value), bottom.min(value));
+                    }
+                    if LINES {
+                        for i in periods.clone() {
+                            let (next, then) = self.layout.after(leg, i);
+                            let mut value = value::<S, RATES>(part, &weights, &self.states[next], then);
+                            value = value + self.lines(part, output, (leg, i), true);
+                            part.store(value, &mut self.ends[leg][i]);
+                            (top, bottom) = (top.max(value), bottom.min(value));
+                        }
+                    }
+                }
+                if !LINES {
+                    let (next, then) = self.layout.after(legs - 1, periods.end - 1);
+                    let value = value::<S, RATES>(part, &weights, &self.states[next], then);
+                    part.store(value, &mut self.starts[next][then]);
+                    (top, bottom) = (top.max(value), bottom.min(value));
+                }
+                let [high, low] = &mut self.edges[chunk];
+                part.store(top, high);
+                part.store(bottom, low);
+            }
+        }
+    }
+
+    /// What elevations and slopes add to values at the starts, or just before the ends, of legs.
+    #[inline(always)]
+    fn lines<S: Simd>(
+        &self,
+        part: Part<S>,
+        output: usize,
+        (leg, i): (usize, usize),
+        at_end: bool,
+    ) -> Vector<S> {
+        let weights = &self.constants.weights[output];
+        let rises = if at_end { &weights.end_rise[leg] } else { &weights.rise };
+        let mut line = part.all(0.0);
+        for group in 0..self.ground.len() {
+            let met = usize::from(self.layout.groups[group].leg <= leg);
+            line = line + part.load(&rises[group]) * part.load(&self.ground[group].rise[i + met]);
+            if self.layout.heights {
+                let height = part.load(&weights.height[group]) * part.load(&self.heights[leg][group][i]);
+                line = line + (height + part.load(&weights.first[group]) * part.load(&self.first[group]));
+            }
+        }
+        line
     }
 
     /// The far side of the last station of all, where a damped output may jump.
-    fn look_back(&mut self, leg: usize) {
+    #[inline(always)]
+    fn look_back<S: Simd>(&mut self, simd: S, leg: usize) {
         for output in 0..self.constants.weights.len() {
-            self.values[output][leg][0] = self.constants.weights[output].of(&self.state, true);
-            self.add_lines(output, leg, 1);
-            let value = self.values[output][leg][0];
-            self.records.see(output, value, value);
-        }
-    }
-
-    /// Adds elevations and slopes to the values at the starts of a leg.
-    #[inline(always)]
-    fn add_lines(&mut self, output: usize, leg: usize, count: usize) {
-        let Self { layout, constants, ground, heights, first, values, .. } = self;
-        let weights = &constants.weights[output];
-        for i in 0..count {
-            let mut value = ZERO;
-            for group in 0..ground.len() {
-                let met = usize::from(layout.groups[group].leg <= leg);
-                value += weights.rise[group] * ground[group].rise[i + met];
-                if layout.heights {
-                    value +=
-                        weights.height[group] * heights[leg][group][i] + weights.first[group] * first[group];
-                }
+            let mut row = ZERO;
+            for part in parts(simd) {
+                let weights = part.load_all(&self.constants.weights[output].state);
+                let value = value::<S, true>(part, &weights, &self.states[leg], 0);
+                part.store(value + self.lines(part, output, (leg, 0), false), &mut row);
             }
-            values[output][leg][i] += value;
+            self.records.see(output, row, row);
         }
-    }
-
-    /// Value just before the end of a leg.
-    #[inline(always)]
-    fn end_value(&self, output: usize, leg: usize, legs: usize, i: usize, count: usize) -> Row {
-        let weights = &self.constants.weights[output];
-        let state: States<Row> = if leg + 1 < legs {
-            std::array::from_fn(|part| self.states[leg + 1][part][i])
-        } else if i + 1 < count {
-            std::array::from_fn(|part| self.states[0][part][i + 1])
-        } else {
-            self.state
-        };
-        let mut value = weights.of(&state, self.layout.by_rate[output]);
-        if self.layout.lines {
-            for group in 0..self.ground.len() {
-                let met = usize::from(self.layout.groups[group].leg <= leg);
-                value += weights.end_rise[leg][group] * self.ground[group].rise[i + met];
-                if self.layout.heights {
-                    value += weights.height[group] * self.heights[leg][group][i]
-                        + weights.first[group] * self.first[group];
-                }
-            }
-        }
-        value
     }
 
     /// How far an output may rise above, or fall below, its values at the ends of the legs: by what it
     /// bends on the longest leg, and by what it swings.
     #[inline(always)]
-    fn bulges(&self, output: usize, reach: &[Row]) -> [Row; 2] {
+    fn bulges(&self, output: usize) -> [Row; 2] {
+        let reach = &self.reach;
         let groups = self.ground.len();
         let [by_bend, by_swing] = &self.constants.weights[output].bulge;
         [by_bend, by_swing].map(|BoundRows { state, after, before }| {
@@ -587,58 +603,84 @@ impl March<'_> {
         })
     }
 
-    /// Keeps the stretches of a block that may hold a record of an output.
+    /// Keeps the stretches of a chunk that may hold a record: by the block's bounds, which are at hand,
+    /// then by the period's own.
     ///
     /// Where |F″| h²/8 ≤ B and the values at the ends differ by D, F has no summit between them if
     /// |D| ≥ 4B; else it stays below their mean + B + D²/(16B).
     #[inline(always)]
-    fn sift(&mut self, output: usize, (count, legs): (usize, usize), bulges: [Row; 2], last: Row) {
-        let [high, low] = self.records.best(output);
-        for leg in 0..legs {
-            let bulge = bulges[0] * self.constants.shorter[leg];
-            let (inverse, far) = (Row::all(0.0625).over(bulge), Row::all(4.0) * bulge);
-            for i in 0..count {
-                let start = self.values[output][leg][i];
-                let end = if self.layout.damped {
-                    self.ends[leg][i]
-                } else if leg + 1 < legs {
-                    self.values[output][leg + 1][i]
-                } else if i + 1 < count {
-                    self.values[output][0][i + 1]
-                } else {
-                    last
-                };
-                let (step, mean) = (end - start, Row::all(0.5) * (start + end));
-                let over = bulge + step * step * inverse;
-                let near = far.above(step) & step.above(Row::ZERO - far);
-                let sides = [(mean + over).above(high) & near, (over - mean).above(low) & near];
-                if sides != [0, 0] {
-                    let bounds = [
-                        (mean + over).min(start.max(end) + bulges[1]),
-                        (over - mean).min(bulges[1] - start.min(end)),
-                    ];
-                    self.keep(output, (leg, i), sides, &bounds);
+    fn sift<S: Simd>(
+        &mut self,
+        simd: S,
+        output: usize,
+        periods: Range<usize>,
+        legs: usize,
+        [bend, most]: [&Row; 2],
+    ) {
+        for part in parts(simd) {
+            let most = part.load(most);
+            for leg in 0..legs {
+                let far = part.all(4.0) * part.load(bend) * part.load(&self.constants.shorter[leg]);
+                for i in periods.clone() {
+                    let [start, end] = self.ends_of(leg, i);
+                    let (start, end) = (part.load(start), part.load(end));
+                    let [high, low] = part.load_all(&self.records.best(output));
+                    let high = (start.max(end) + most).above(high);
+                    let low = (most - start.min(end)).above(low);
+                    if (far.above((end - start).abs()) & (high | low)).any() {
+                        self.weigh(part, output, (leg, i));
+                    }
                 }
             }
         }
     }
 
-    /// Keeps a leg for the runs whose bits are set.
-    #[cold]
-    #[inline(never)]
-    fn keep(&mut self, output: usize, (leg, i): (usize, usize), sides: [u8; 2], bounds: &[Row; 2]) {
+    /// Values at the ends of a leg.
+    #[inline(always)]
+    fn ends_of(&self, leg: usize, i: usize) -> [&Row; 2] {
+        let (next, then) = self.layout.after(leg, i);
+        [&self.starts[leg][i], if self.layout.lines { &self.ends[leg][i] } else { &self.starts[next][then] }]
+    }
+
+    /// See [`March::sift`], with the period's own bounds.
+    #[inline(always)]
+    fn weigh<S: Simd>(&mut self, part: Part<S>, output: usize, (leg, i): (usize, usize)) {
+        let [start, end] = self.ends_of(leg, i);
+        let (start, end) = (part.load(start), part.load(end));
+        let [bend, swing] = self.own_bulges(part, output, i);
+        let bulge = bend * part.load(&self.constants.shorter[leg]);
+        let (step, mean) = (end - start, part.all(0.5) * (start + end));
+        let over = bulge + step * step / (part.all(16.0) * bulge);
+        let holds = (part.all(4.0) * bulge).above(step.abs());
+        let bounds = [(mean + over).min(start.max(end) + swing), (over - mean).min(swing - start.min(end))];
         for side in 0..2 {
-            let mut bits = sides[side];
-            while bits != 0 {
-                let lane = bits.trailing_zeros() as usize;
-                bits &= bits - 1;
-                let bound = bounds[side][lane];
-                if bound > self.records.best(output)[side][lane] {
-                    let candidate = self.candidate(output, leg, i, lane, bound);
+            let record = self.records.best(output)[side];
+            let breaks = holds & bounds[side].above(part.load(&record));
+            if breaks.any() {
+                let mut row = ZERO;
+                part.store(breaks.choose(bounds[side], part.all(f64::NEG_INFINITY)), &mut row);
+                for lane in part.lanes().filter(|&lane| row[lane] > record[lane]) {
+                    let candidate = self.candidate(output, leg, i, lane, row[lane]);
                     self.records.keep(output, side, lane, candidate);
                 }
             }
         }
+    }
+
+    /// See [`March::bulges`], for one period.
+    #[inline(always)]
+    fn own_bulges<S: Simd>(&self, part: Part<S>, output: usize, i: usize) -> [Vector<S>; 2] {
+        let mut bounds = [part.all(0.0); 2];
+        for (bound, rows) in bounds.iter_mut().zip(&self.constants.weights[output].bulge) {
+            for (weight, states) in rows.state.iter().zip(&self.states[0]) {
+                *bound = *bound + part.load(weight) * part.load(&states[i]).abs();
+            }
+            for (group, Ground { rise, .. }) in self.ground.iter().enumerate() {
+                *bound = *bound + part.load(&rows.after[group]) * part.load(&rise[i + 1]).abs();
+                *bound = *bound + part.load(&rows.before[group]) * part.load(&rise[i]).abs();
+            }
+        }
+        bounds
     }
 
     /// A leg of one run as a stretch to be searched.
@@ -670,24 +712,60 @@ impl March<'_> {
     }
 }
 
-/// Takes some rows into the largest and smallest.
+/// Where the product of two rows stands among the moments.
 #[inline(always)]
-fn scan(values: &[Row], [top, bottom]: &mut [Row; 2]) {
-    for value in values {
-        *top = top.max(*value);
-        *bottom = bottom.min(*value);
+fn place(row: usize, column: usize) -> usize {
+    row * (row + 1) / 2 + column
+}
+
+/// A push in registers.
+#[inline(always)]
+fn loaded<S: Simd>(part: Part<S>, push: &Push<Row>) -> Push<Vector<S>> {
+    [part.load_all(&push[0]), part.load_all(&push[1])]
+}
+
+/// What a state gives; without rates, displacements alone.
+#[inline(always)]
+fn value<S: Simd, const RATES: bool>(
+    part: Part<S>,
+    weights: &States<Vector<S>>,
+    states: &States<MoreRows>,
+    i: usize,
+) -> Vector<S> {
+    let mut value = weights[0] * part.load(&states[0][i]);
+    for k in 1..MODES {
+        value = value + weights[k] * part.load(&states[k][i]);
     }
+    if RATES {
+        let mut rates = weights[MODES] * part.load(&states[MODES][i]);
+        for k in MODES + 1..2 * MODES {
+            rates = rates + weights[k] * part.load(&states[k][i]);
+        }
+        value = value + rates;
+    }
+    value
 }
 
 /// Sums of products of `N` ≤ 3 rows with three.
 #[inline(always)]
-fn products<const N: usize>(a: [&[Row]; 3], b: [&[Row]; 3], count: usize) -> [[Row; 3]; 3] {
-    let (a, b) = (a.map(|row| &row[..count]), b.map(|row| &row[..count]));
+fn products<S: Simd, const N: usize>(simd: S, a: [&[Row]; 3], b: [&[Row]; 3]) -> [[Row; 3]; 3] {
     let mut sums = [[ZERO; 3]; 3];
-    for i in 0..count {
+    let count = a[0].len();
+    let (a, b) = (a.map(|row| &row[..count]), b.map(|row| &row[..count]));
+    for part in parts(simd) {
+        let mut sum = [[part.all(0.0); 3]; N];
+        for i in 0..count {
+            let b = [part.load(&b[0][i]), part.load(&b[1][i]), part.load(&b[2][i])];
+            for row in 0..N {
+                let a = part.load(&a[row][i]);
+                for column in 0..3 {
+                    sum[row][column] = sum[row][column] + a * b[column];
+                }
+            }
+        }
         for row in 0..N {
             for column in 0..3 {
-                sums[row][column] += a[row][i] * b[column][i];
+                part.store(sum[row][column], &mut sums[row][column]);
             }
         }
     }
@@ -696,13 +774,23 @@ fn products<const N: usize>(a: [&[Row]; 3], b: [&[Row]; 3], count: usize) -> [[R
 
 /// Sums of products of three rows with themselves, on and below the diagonal.
 #[inline(always)]
-fn triangle(a: [&[Row]; 3], count: usize) -> [[Row; 3]; 3] {
-    let a = a.map(|row| &row[..count]);
+fn triangle<S: Simd>(simd: S, a: [&[Row]; 3]) -> [[Row; 3]; 3] {
     let mut sums = [[ZERO; 3]; 3];
-    for i in 0..count {
+    let count = a[0].len();
+    let a = a.map(|row| &row[..count]);
+    for part in parts(simd) {
+        let mut sum = [[part.all(0.0); 3]; 3];
+        for i in 0..count {
+            let a = [part.load(&a[0][i]), part.load(&a[1][i]), part.load(&a[2][i])];
+            for row in 0..3 {
+                for column in 0..=row {
+                    sum[row][column] = sum[row][column] + a[row] * a[column];
+                }
+            }
+        }
         for row in 0..3 {
             for column in 0..=row {
-                sums[row][column] += a[row][i] * a[column][i];
+                part.store(sum[row][column], &mut sums[row][column]);
             }
         }
     }

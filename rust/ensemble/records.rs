@@ -61,11 +61,11 @@ impl Records {
         }
     }
 
-    /// Whether any run may break a record somewhere between ends with these values.
+    /// Which runs may break their records somewhere between ends with these values, one bit a run.
     #[inline(always)]
-    pub fn may_hold(&self, output: usize, top: Row, bottom: Row, bulge: Row) -> bool {
+    pub fn may_break(&self, output: usize, top: Row, bottom: Row, bulge: Row) -> [u8; 2] {
         let [high, low] = self.records[output].best;
-        (top + bulge).above(high) | (bulge - bottom).above(low) != 0
+        [(top + bulge).above(high), (bulge - bottom).above(low)]
     }
 
     /// Largest values of F and of −F.
@@ -92,8 +92,8 @@ impl Records {
             Extreme { max: best[0][lane], time_of_max: 0.0, min: -best[1][lane], time_of_min: 0.0 };
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let list = &mut candidates[side][lane];
-            list.sort_unstable_by(|a, b| b.bound.total_cmp(&a.bound));
-            for Candidate { bound, leg, state, drive, start, growth, .. } in list.drain(..) {
+            while let Some(best) = (0..list.len()).max_by(|&a, &b| list[a].bound.total_cmp(&list[b].bound)) {
+                let Candidate { bound, leg, state, drive, start, growth } = list.swap_remove(best);
                 let (max, min) = (search.record.max, -search.record.min);
                 let record = if magnitude { max.max(min) } else { [max, min][side] };
                 if bound <= record {

@@ -4,6 +4,7 @@
 //! track, one lag) meets exactly one station in it, always at the same share of it; between these
 //! instants lie the legs of a period, on which every slope is constant.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
@@ -52,6 +53,8 @@ pub(super) struct Group {
 pub(super) struct Layout {
     /// In the order of their legs.
     pub groups: Vec<Group>,
+    /// Which of them begin each leg.
+    pub members: Vec<Range<usize>>,
     /// The group above whose elevation those of the others count.
     pub datum: usize,
     /// Legs of a period.
@@ -77,11 +80,30 @@ impl Layout {
         (0..self.groups.len()).filter(|&group| self.groups[group].leg > 0)
     }
 
+    /// The leg, with its period, that begins where one ends.
+    pub fn after(&self, leg: usize, period: usize) -> (usize, usize) {
+        if leg + 1 < self.legs { (leg + 1, period) } else { (0, period + 1) }
+    }
+
     /// Rows of a period: modal state, rises after the groups' stations, rises before those inside
     /// the period, heights and first elevations.
     pub fn rows(&self) -> usize {
-        let groups = self.groups.len();
-        2 * MODES + groups + self.inner().count() + if self.heights { 2 * groups } else { 0 }
+        self.inner_rows().end + if self.heights { 2 * self.groups.len() } else { 0 }
+    }
+
+    /// Those of the rises before stations inside the period.
+    pub fn inner_rows(&self) -> Range<usize> {
+        let begin = 2 * MODES + self.groups.len();
+        begin..begin + self.inner().count()
+    }
+
+    /// Rows by threes, as their products are added up; none of one kind with one of another.
+    pub fn triples(&self) -> Vec<Range<usize>> {
+        let inner = self.inner_rows();
+        let kinds = [0..2 * MODES, 2 * MODES..inner.start, inner.clone(), inner.end..self.rows()];
+        let of_kind =
+            |kind: Range<usize>| kind.clone().step_by(3).map(move |begin| begin..kind.end.min(begin + 3));
+        kinds.into_iter().flat_map(of_kind).collect()
     }
 }
 
@@ -205,6 +227,9 @@ impl Setup {
         let mut order: Vec<usize> = (0..in_order.len()).collect();
         order.sort_by_key(|&track| in_order[track].leg);
         let groups: Vec<Group> = order.iter().map(|&track| in_order[track]).collect();
+        let members = |leg: usize| {
+            groups.partition_point(|group| group.leg < leg)..groups.partition_point(|group| group.leg <= leg)
+        };
         let behind = groups.iter().map(|group| (group.whole, group.leg)).max().unwrap_or((0, 0));
         let lag = run
             .tracks
@@ -224,6 +249,7 @@ impl Setup {
         let any = |weights: &[f64]| weights.iter().any(|&weight| weight != 0.0);
         let layout = Layout {
             legs: rests.len(),
+            members: (0..rests.len()).map(members).collect(),
             periods: count - 1 + behind.0,
             tail: behind.1,
             loads: loads.len(),
@@ -327,7 +353,11 @@ impl Setup {
                 }
             }
             let after = self.matrix(self.dt[leg]) * &at;
-            if leg + 1 < layout.legs {
+            if leg + 1 == layout.legs {
+                for squares in &mut squares {
+                    self.follow(&after, &mut squares[0]);
+                }
+            } else {
                 at = after;
                 let rises = 2 * MODES..2 * MODES + groups;
                 for row in rises {
@@ -342,6 +372,28 @@ impl Setup {
                 entries.map(|at| twice(at.0, at.1) * square[at]).collect()
             });
         }
+    }
+
+    /// Puts weight from the products of rises before stations with states, and with each other, onto
+    /// products a period earlier: Σ x a′ over the periods, a′ being the a of the period before, is
+    /// Σ x₊ a less the last x₊ a, where x₊, the state after a period, hangs on its rows. What remains
+    /// is the weight of what is lacking at the end.
+    fn follow(&self, after: &DMatrix<f64>, square: &mut DMatrix<f64>) {
+        let inner: Vec<(usize, usize)> =
+            self.layout.inner_rows().zip(self.layout.inner().map(|group| 2 * MODES + group)).collect();
+        let mut moved = DMatrix::zeros(square.nrows(), square.ncols());
+        for &(row, earlier) in &inner {
+            for state in 0..2 * MODES {
+                for (column, part) in after.row(state).iter().enumerate() {
+                    moved[(column, earlier)] += square[(row, state)] * part;
+                    moved[(earlier, column)] += square[(row, state)] * part;
+                }
+            }
+            for &(column, as_early) in &inner {
+                moved[(earlier, as_early)] += square[(row, column)];
+            }
+        }
+        *square += moved;
     }
 
     /// A leg's vector at its start, but for state and heights, from a period's rows: one a leg.

@@ -13,7 +13,7 @@ from ._input import integer
 from .roughness import Roughness, lateral_positions, monte_carlo
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
     from typing import NotRequired
 
     from numpy.typing import ArrayLike
@@ -76,7 +76,26 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> l
         own["first_run"], own["runs"] = first_run + begin, end - begin
         return Chunk(modes, roughness, own)
 
-    return [part(begin) for begin in range(0, runs, size)]
+    parts = [part(begin) for begin in range(0, runs, size)]
+    # One run says what is wrong with the rest, before any result is kept.
+    trial = parts[0].options.copy()
+    trial["runs"], trial["speed"] = 1, speed.flat[:1]
+    Chunk(modes, roughness, trial).compute()
+    return parts
+
+
+def computed(
+    modes: Modes, roughness: Roughness, options: Options, progress: Callable[[int, int], object]
+) -> Ensemble:
+    """Compute chunk by chunk in this process; `progress` is told of runs finished and wanted."""
+    results: list[Ensemble] = []
+    parts, runs, done = chunks(modes, roughness, options, CHUNK), options["runs"], 0
+    progress(done, runs)
+    for part in parts:
+        results.append(part.compute())
+        done += part.options["runs"]
+        progress(done, runs)
+    return joined(results)
 
 
 def joined(parts: Iterable[Ensemble]) -> Ensemble:

@@ -18,7 +18,11 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     import pandas as pd
+    import xarray as xr
+    from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
+
+    from .units import Units
 
 #: What quantiles and exceedances are asked of.
 _QUANTITIES = ("max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration")
@@ -32,11 +36,11 @@ class Estimate:
     Parameters
     ----------
     value : ndarray, shape (k, c)
-        A row a probability or level asked for, a column a gear or station.
+        A row a probability or level asked for, or the one of a mean; a column a gear or station.
     low : ndarray, shape (k, c)
-        Lower end of the interval; of a quantile, -inf where the runs are too few to tell.
+        Lower end of the interval; -inf where runs are too few to tell.
     high : ndarray, shape (k, c)
-        Upper end; of a quantile, inf where the runs are too few to tell.
+        Upper end; inf where runs are too few to tell.
 
     Examples
     --------
@@ -195,6 +199,45 @@ class Ensemble:
             raise InputError("no run could be computed")
         return np.asarray(np.sort(values, axis=0))
 
+    def mean(self, quantity: str, *, confidence: float = 0.95) -> Estimate:
+        """
+        Estimate the mean over all runways, with the interval that the central limit gives.
+
+        Parameters
+        ----------
+        quantity : str
+            One of "max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration".
+        confidence : float
+            Probability with which an interval holds the true mean, if the runs are many [-].
+
+        Returns
+        -------
+        Estimate
+            One row, a column a gear or station; of one run the interval has no ends.
+
+        Raises
+        ------
+        InputError
+            If the quantity is unknown.
+
+        Examples
+        --------
+        >>> import numpy as np, runway_modal as rm
+        >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+        >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
+        >>> ensemble.mean("max_load").value.round(-2)
+        array([[ 9500., 26900., 26900.]])
+        """
+        values = self._sorted(quantity)
+        runs = values.shape[0]
+        mean = values.mean(axis=0, keepdims=True)
+        half = np.full_like(mean, np.inf)
+        if runs > 1:
+            half = _normal(confidence) * values.std(axis=0, ddof=1, keepdims=True) / math.sqrt(runs)
+        return Estimate(
+            value=read_only(mean), low=read_only(mean - half), high=read_only(mean + half)
+        )
+
     def quantile(
         self, quantity: str, probability: ArrayLike, *, confidence: float = 0.95
     ) -> Estimate:
@@ -290,7 +333,7 @@ class Ensemble:
                 for one in levels
             ]
         )
-        z = NormalDist().inv_cdf(0.5 + float(_shares("confidence", confidence)) / 2.0)
+        z = _normal(confidence)
         centre = (share + z * z / (2 * runs)) / (1 + z * z / runs)
         half = z / (1 + z * z / runs) * np.sqrt(share * (1 - share) / runs + (z / (2 * runs)) ** 2)
         return Estimate(
@@ -335,9 +378,116 @@ class Ensemble:
         order = np.argsort(-loads, kind="stable")[: int(number("count", count))]
         return np.asarray(self.run[self.valid][order])
 
-    def to_pandas(self) -> pd.DataFrame:
+    def plot(
+        self,
+        quantity: str = "max_load",
+        names: Sequence[str] | None = None,
+        *,
+        ax: Axes | None = None,
+        units: Units | None = None,
+    ) -> Axes:
         """
-        Give a table, a row a run.
+        Draw a quantity's histogram for each gear or station; loads with the static load.
+
+        Parameters
+        ----------
+        quantity : str
+            One of "max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration".
+        names : sequence of str, optional
+            Which gears or stations. Default: all.
+        ax : matplotlib.axes.Axes, optional
+            Where. Default: a new figure.
+        units : Units, optional
+            Units of the ensemble, for the axes: loads in lbf and N are drawn in kip and kN,
+            accelerations in g.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        InputError
+            If there is no such quantity, gear or station, or no run could be computed.
+        ImportError
+            If matplotlib is not installed.
+
+        Examples
+        --------
+        >>> import numpy as np, runway_modal as rm
+        >>> from matplotlib.figure import Figure
+        >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+        >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
+        >>> axes = Figure().subplots()
+        >>> ensemble.plot("max_load", ax=axes, units=rm.Units("in", "lbf")).get_xlabel()
+        'largest load [kip]'
+        """
+        from .plotting_ensemble import plot_histogram
+
+        return plot_histogram(self, quantity, names, ax, units)
+
+    def plot_exceedance(
+        self,
+        quantity: str = "max_load",
+        names: Sequence[str] | None = None,
+        *,
+        confidence: float = 0.95,
+        ax: Axes | None = None,
+        units: Units | None = None,
+    ) -> Axes:
+        """
+        Draw the probability that a run goes beyond a level, with its confidence band.
+
+        Beyond is above, for smallest loads below. The band is that of `exceedance`, level by
+        level.
+
+        Parameters
+        ----------
+        quantity : str
+            One of "max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration".
+        names : sequence of str, optional
+            Which gears or stations. Default: all.
+        confidence : float
+            Probability with which the band holds the true curve at a level, nearly [-].
+        ax : matplotlib.axes.Axes, optional
+            Where. Default: a new figure.
+        units : Units, optional
+            As for `plot`.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes, probability in powers of ten.
+
+        Raises
+        ------
+        InputError
+            As for `plot`.
+        ImportError
+            If matplotlib is not installed.
+
+        Examples
+        --------
+        >>> import numpy as np, runway_modal as rm
+        >>> from matplotlib.figure import Figure
+        >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+        >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
+        >>> ensemble.plot_exceedance("max_load", ["left"], ax=Figure().subplots()).get_yscale()
+        'log'
+        """
+        from .plotting_ensemble import plot_exceedance
+
+        return plot_exceedance(self, quantity, names, confidence, ax, units)
+
+    def to_pandas(self, units: Units | None = None) -> pd.DataFrame:
+        """
+        Give a table, a row a run (extra ``tables``).
+
+        Parameters
+        ----------
+        units : Units, optional
+            Units of the ensemble, kept in ``attrs["units"]`` by column; Parquet files keep them.
 
         Returns
         -------
@@ -347,7 +497,7 @@ class Ensemble:
         Raises
         ------
         ImportError
-            If pandas is missing; the extra ``tables`` brings it.
+            If pandas is not installed.
 
         Examples
         --------
@@ -357,21 +507,41 @@ class Ensemble:
         >>> ensemble.to_pandas().shape
         (50, 12)
         """
-        try:
-            import pandas as pd
-        except ImportError as error:
-            raise ImportError(
-                "to_pandas needs pandas: pip install 'runway_modal[tables]'"
-            ) from error
-        columns: dict[str, NDArray[np.float64]] = {"speed": self.speed}
-        for quantity in _QUANTITIES:
-            values = getattr(self, quantity)
-            if isinstance(values, dict):
-                columns |= {f"{quantity} {name}": column for name, column in values.items()}
-            else:
-                pairs = zip(self.gear_names, values.T, strict=True)
-                columns |= {f"{quantity} {name}": column for name, column in pairs}
-        return pd.DataFrame(columns, index=pd.Index(self.run, name="run"))
+        from .tables_ensemble import to_pandas
+
+        return to_pandas(self, units)
+
+    def to_xarray(self, units: Units | None = None) -> xr.Dataset:
+        """
+        Make a data set of the runs with named gears and stations (extra ``tables``).
+
+        Parameters
+        ----------
+        units : Units, optional
+            Units of the ensemble, kept in ``attrs["units"]`` of every variable.
+
+        Returns
+        -------
+        xarray.Dataset
+            Variables speed, static_load, max_load, min_load, rms_load, max_acceleration and
+            rms_acceleration over run, gear and station.
+
+        Raises
+        ------
+        ImportError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> import numpy as np, runway_modal as rm
+        >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+        >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
+        >>> ensemble.to_xarray()["max_load"].sel(gear="left").dims
+        ('run',)
+        """
+        from .tables_ensemble import to_xarray
+
+        return to_xarray(self, units)
 
     def __len__(self) -> int:
         """Count the runs."""
@@ -543,6 +713,11 @@ def describe(modes: Modes) -> dict[str, Any]:
         "damping ratio": modes.damping_ratio.tolist(),
         "shapes": modes.shapes.tolist(),
     }
+
+
+def _normal(confidence: float) -> float:
+    """Half width, in standard deviations, of a normal distribution's middle."""
+    return NormalDist().inv_cdf(0.5 + float(_shares("confidence", confidence)) / 2.0)
 
 
 def _shares(argument: str, values: ArrayLike) -> NDArray[np.float64]:

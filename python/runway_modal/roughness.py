@@ -413,6 +413,7 @@ def monte_carlo(
     first_run: int = 0,
     tracks: Literal["one", "isotropic"] = "one",
     damping_input: bool = False,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Ensemble:
     """
     Roll an aircraft over random profiles: as `simulate_many`, without the profiles in memory.
@@ -441,6 +442,9 @@ def monte_carlo(
         One track for all gears, or each gear's own on an isotropic surface.
     damping_input : bool
         As for `simulate`.
+    progress : callable, optional
+        Called with the numbers of runs finished and wanted, before the first and after every
+        4096 runs; the result is the same.
 
     Returns
     -------
@@ -473,6 +477,24 @@ def monte_carlo(
     >>> bool(again >= 1 - 1e-12)
     True
     """
+    if progress is not None:
+        from ._chunks import computed  # by calling this function, some runs at a time
+
+        return computed(
+            modes,
+            roughness,
+            {
+                "length": length,
+                "spacing": spacing,
+                "speed": speed,
+                "runs": runs,
+                "seed": seed,
+                "first_run": first_run,
+                "tracks": tracks,
+                "damping_input": damping_input,
+            },
+            progress,
+        )
     if not isinstance(roughness, Roughness):
         raise InputError(f"roughness = {roughness!r} is not a Roughness")
     if not isinstance(damping_input, bool | np.bool_):

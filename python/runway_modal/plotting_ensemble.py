@@ -1,0 +1,201 @@
+"""Figures of ensembles (extra ``plot``)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ._core import InputError
+from .ensemble import Estimate
+from .plotting import _COLORS, _axes, _load_unit, _require
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from .ensemble import Ensemble
+    from .units import Units
+
+#: What each quantity is called.
+LABELS = {
+    "max_load": "largest load",
+    "min_load": "smallest load",
+    "rms_load": "RMS of dynamic load",
+    "max_acceleration": "largest |vertical acceleration|",
+    "rms_acceleration": "RMS of vertical acceleration",
+}
+
+#: More would show the chance of the draw; levels of a curve.
+_BINS, _LEVELS = 60, 300
+
+
+def histograms_and_exceedances(
+    ensembles: Mapping[str, Ensemble], title: str = "", *, units: Units | None = None
+) -> Figure:
+    """
+    Draw the largest gear loads of ensembles, a row each: their histogram and their exceedance.
+
+    Parameters
+    ----------
+    ensembles : mapping of str to Ensemble
+        Ensembles by the title of their row.
+    title : str
+        Title of the figure.
+    units : Units, optional
+        Units of the ensembles, for the axes; loads in lbf and N are drawn in kip and kN.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+
+    Raises
+    ------
+    InputError
+        If there is no ensemble, or no run of one could be computed.
+    ImportError
+        If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import runway_modal as rm
+    >>> from runway_modal import plotting_ensemble
+    >>> runway = dict(length=2400.0, spacing=12.0, seed=1980, speed=rm.knots(60), runs=100)
+    >>> rough = rm.monte_carlo(rm.f4e().modes(0.01), rm.Roughness.iso8608("B", "in"), **runway)
+    >>> figure = plotting_ensemble.histograms_and_exceedances({"60 kt": rough})
+    >>> len(figure.axes)
+    2
+    """
+    _require()
+    from matplotlib.figure import Figure
+
+    if not ensembles:
+        raise InputError("ensembles is empty")
+    figure = Figure(figsize=(10.0, 3.6 * len(ensembles) + 0.4), layout="constrained")
+    rows = figure.subplots(len(ensembles), 2, squeeze=False)
+    for (label, ensemble), (left, right) in zip(ensembles.items(), rows, strict=True):
+        ensemble.plot("max_load", ax=left, units=units)
+        ensemble.plot_exceedance("max_load", ax=right, units=units)
+        runs = f"{int(ensemble.valid.sum())} runs"
+        left.set_title(f"{label}, {runs}" if label else runs, loc="left", fontsize="medium")
+    if title:
+        figure.suptitle(title)
+    return figure
+
+
+def plot_histogram(
+    ensemble: Ensemble,
+    quantity: str,
+    names: Sequence[str] | None,
+    ax: Axes | None,
+    units: Units | None,
+) -> Axes:
+    """Draw what `Ensemble.plot` documents."""
+    values = ensemble._sorted(quantity)
+    shown = _columns(ensemble, quantity, names)
+    ax = ax or _axes()
+    scale, unit = _scale(quantity, units)
+    for i, (name, column) in enumerate(shown):
+        color, drawn = _COLORS[i % len(_COLORS)], values[:, column] / scale
+        bins = min(_BINS, len(np.histogram_bin_edges(drawn, "auto")) - 1)
+        ax.hist(drawn, bins, density=True, histtype="stepfilled", fc=color, alpha=0.12)
+        # Thin over wide: gears that do the same would hide each other.
+        width = 1.1 + 0.7 * (len(shown) - 1 - i)
+        ax.hist(drawn, bins, density=True, histtype="step", ec=color, lw=width, label=name)
+    if quantity in ("max_load", "min_load"):
+        _mark_static(ax, ensemble, shown, scale)
+    if quantity == "min_load":
+        ax.axvline(0.0, color="0.35", lw=0.9)
+    ax.set_xlabel(f"{LABELS[quantity]}{f' [{unit}]' if unit else ''}")
+    ax.set_ylabel(f"density of runs{f' [1/{unit}]' if unit else ''}")
+    ax.legend(framealpha=0.9, edgecolor="none", fontsize="small")
+    ax.grid(alpha=0.25)
+    return ax
+
+
+def _mark_static(
+    ax: Axes, ensemble: Ensemble, shown: Sequence[tuple[str, int]], scale: float
+) -> None:
+    """Mark static loads by lines, each once; of runs with aircraft of their own there is none."""
+    static = ensemble.static_load[0]
+    if not (ensemble.static_load == static).all():
+        return
+    gears: dict[float, list[int]] = {}
+    for i, (_, column) in enumerate(shown):
+        gears.setdefault(float(static[column]), []).append(i)
+    for load, which in gears.items():
+        label = f"{', '.join(shown[i][0] for i in which)}, static"
+        color = _COLORS[which[0] % len(_COLORS)]
+        ax.axvline(load / scale, color=color, lw=1.1, ls=(0, (6, 3)), label=label)
+
+
+def plot_exceedance(
+    ensemble: Ensemble,
+    quantity: str,
+    names: Sequence[str] | None,
+    confidence: float,
+    ax: Axes | None,
+    units: Units | None,
+) -> Axes:
+    """Draw what `Ensemble.plot_exceedance` documents."""
+    values = ensemble._sorted(quantity)
+    shown = _columns(ensemble, quantity, names)
+    ax = ax or _axes()
+    scale, unit = _scale(quantity, units)
+    runs, below = values.shape[0], quantity == "min_load"
+    # As close in every power of ten; the last step ends at the extreme of all runs.
+    counts = np.unique(np.geomspace(1, runs, _LEVELS).astype(int))
+    for i, (name, column) in enumerate(shown):
+        one = values[:, column]
+        levels = one[counts - 1] if below else one[(runs - 1 - counts[counts < runs])[::-1]]
+        levels = np.unique(np.concatenate((one[:1], levels)))
+        found = beyond(ensemble, quantity, levels, confidence=confidence)
+        share, low, high = (part[:, column] for part in (found.value, found.low, found.high))
+        color, width = _COLORS[i % len(_COLORS)], 1.1 + 0.7 * (len(shown) - 1 - i)
+        at = np.append(levels, one[-1]) / scale
+        share, low, high = (np.append(part, part[-1]) for part in (share, low, high))
+        ax.plot(at, share, color, lw=width, drawstyle="steps-post", label=name)
+        ax.fill_between(at, low, high, step="post", color=color, alpha=0.15, lw=0)
+    ax.set_yscale("log")
+    ax.set_ylim(0.5 / runs, 1.5)
+    ax.set_xlabel(f"{LABELS[quantity]}{f' [{unit}]' if unit else ''}")
+    ax.set_ylabel(f"share of runs {'below' if below else 'above'}")
+    ax.legend(loc="upper left" if below else "upper right", frameon=False, fontsize="small")
+    ax.grid(alpha=0.25)
+    return ax
+
+
+def beyond(
+    ensemble: Ensemble, quantity: str, levels: NDArray[np.float64], *, confidence: float = 0.95
+) -> Estimate:
+    """Estimate the probability of a run above levels; of a smallest load, at or below them."""
+    above = ensemble.exceedance(quantity, levels, confidence=confidence)
+    if quantity != "min_load":
+        return above
+    return Estimate(value=1.0 - above.value, low=1.0 - above.high, high=1.0 - above.low)
+
+
+def _columns(
+    ensemble: Ensemble, quantity: str, names: Sequence[str] | None
+) -> list[tuple[str, int]]:
+    """Names and columns of what is to be shown."""
+    of_gears = quantity.endswith("load")
+    there = ensemble.gear_names if of_gears else tuple(getattr(ensemble, quantity))
+    shown = there if names is None else names
+    for i, name in enumerate(shown):
+        if name not in there:
+            kind = "gear" if of_gears else "station"
+            raise InputError(f"names[{i}] = {name!r}: no such {kind}; there are {there}")
+    return [(name, there.index(name)) for name in shown]
+
+
+def _scale(quantity: str, units: Units | None) -> tuple[float, str]:
+    """Divisor of a quantity for its axis, and its unit there."""
+    if quantity.endswith("load"):
+        scale, unit = _load_unit(units)
+        return scale, unit.strip(" []")
+    return (1.0, "") if units is None else (units.standard_gravity, "g")

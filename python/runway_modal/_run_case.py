@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import io
 import json
-import math
-import sys
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import tables
-from ._core import InputError
+from ._case_output import STANDARD, modes_table, opened, save_figure, stated_speed, told
 from .case import Case, read_case
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
-    from typing import TextIO
 
     from . import nonlinear
     from .response import Response
@@ -24,35 +19,29 @@ if TYPE_CHECKING:
     #: One run by the text of its speed.
     Runs: TypeAlias = Mapping[str, Response | nonlinear.Response]
 
-#: Stands for standard output.
-_STANDARD = "-"
 
+def run(path: Path, asked: Mapping[str, str | None], runway: int | None = None) -> None:
+    """
+    Run a case file; `asked` names files by kind and goes before the case's own.
 
-def run(path: Path, asked: Mapping[str, str | None]) -> None:
-    """Run a case file; `asked` names files by kind and goes before the case's own."""
+    `runway` is the number of a random runway to be run over in place of the tracks.
+    """
     case = read_case(path)
+    if runway is not None:
+        case = case.over_random_runway(runway)
     wanted = {kind: str(asked[kind] or case.output.get(kind) or "") for kind in KINDS}
-    for kind in ("parquet", "figure"):
-        if wanted[kind] == _STANDARD:
-            raise InputError(f"--{kind} -: standard output takes csv or json")
-    for kind, to in wanted.items():
-        if to != _STANDARD and Path(to).resolve() == path.resolve():
-            raise InputError(f"{kind} {to}: this is the case file")
-    if list(wanted.values()).count(_STANDARD) > 1:
-        raise InputError("--csv - and --json -: standard output takes one of them")
+    stream = told(path, wanted)
     runs = case.run()
-    # What goes to another program goes alone.
-    told = sys.stderr if _STANDARD in wanted.values() else sys.stdout
-    print("\n".join(_summary(case, runs)), file=told)
+    print("\n".join(_summary(case, runs)), file=stream)
     for kind, to in wanted.items():
         if to:
             _WRITERS[kind](case, runs, to)
-            if to != _STANDARD:
-                print(f"{kind}: {to}", file=told)
+            if to != STANDARD:
+                print(f"{kind}: {to}", file=stream)
 
 
 def _summary(case: Case, runs: Runs) -> Iterator[str]:
-    units, modes = case.units, case.modes
+    units = case.units
     yield case.title
     yield f"Units: {units.length}, {units.force}, s"
     for note in case.notes:
@@ -60,12 +49,7 @@ def _summary(case: Case, runs: Runs) -> Iterator[str]:
     yield ""
     if case.reference is not None:
         yield "Nonlinear aircraft; its modes near rest:"
-    yield f"  mode   frequency [Hz]   omega [rad/s]   damping ratio {f'node [{units.length}]':>12}"
-    rows = zip(modes.frequency_hz, modes.omega, modes.damping_ratio, modes.node, strict=True)
-    for i, (hertz, omega, ratio, node) in enumerate(rows, 1):
-        # Roll leaves the whole centreline at rest, and pure bounce nothing.
-        where = f"{node:.2f}" if math.isfinite(node) else "-"
-        yield f"  {i:>4} {hertz:16.4f} {omega:15.4f} {ratio:15.4f} {where:>12}"
+    yield from modes_table(case)
     for name, response in runs.items():
         yield ""
         yield from _of_speed(case, name, response)
@@ -75,9 +59,7 @@ def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) ->
     units, gears = case.units, response.aircraft.gear_names
     width = max(7, *map(len, gears), *map(len, response.acceleration))
     extremes, unloaded = response.extremes(), response.unloaded
-    exact = f"{case.speeds[name]:.6g} {units.length}/s"
-    stated = name if name == exact else f"{name} = {exact}"
-    yield f"Speed {stated}, {response.time[0]:.4g} to {response.time[-1]:.4g} s"
+    yield f"Speed {stated_speed(case, name)}, {response.time[0]:.4g} to {response.time[-1]:.4g} s"
     heads = [f"{what} [{units.force}]" for what in ("static", "largest", "smallest")]
     yield (
         f"  {'gear':<{width}} {heads[0]:>15} {heads[1]:>16}     at [s] {heads[2]:>17}     at [s]"
@@ -100,7 +82,7 @@ def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) ->
 
 
 def _write_csv(case: Case, runs: Runs, to: str) -> None:
-    with _opened(to) as file:
+    with opened(to) as file:
         tables.write_csv(_by_speed(case, runs), case.units, file)
 
 
@@ -117,7 +99,7 @@ def _write_json(case: Case, runs: Runs, to: str) -> None:
         },
         "runs": [_results(case, name, response) for name, response in runs.items()],
     }
-    with _opened(to) as file:
+    with opened(to) as file:
         json.dump(document, file, indent=1, allow_nan=False)
         file.write("\n")
 
@@ -159,26 +141,11 @@ def _write_figure(case: Case, runs: Runs, to: str) -> None:
         units=case.units,
         against="time" if len(runs) == 1 else "distance",
     )
-    try:
-        figure.savefig(to, dpi=110)
-    except ValueError as error:
-        raise InputError(f"figure {to}: {error}") from None
+    save_figure(figure, to)
 
 
 def _by_speed(case: Case, runs: Runs) -> Iterator[tuple[float, Response | nonlinear.Response]]:
     return ((case.speeds[name], response) for name, response in runs.items())
-
-
-@contextmanager
-def _opened(to: str) -> Iterator[TextIO]:
-    """Open a file for text in UTF-8, the same on every system; or standard output."""
-    if to != _STANDARD:
-        with Path(to).open("w", encoding="utf-8", newline="") as file:
-            yield file
-        return
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(encoding="utf-8", newline="")
-    yield sys.stdout
 
 
 _WRITERS: dict[str, Callable[[Case, Runs, str], None]] = {

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ._core import InputError
+from ._input import integer
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -109,6 +110,13 @@ class Table:
         if not isinstance(value, bool):
             raise self.fault(f"{key} = {value!r} is not true or false", key)
         return value
+
+    def whole(self, key: str, least: int, default: Any = _REQUIRED) -> int:
+        value = self.get(key, default)
+        if isinstance(value, bool):  # 0 or 1 to Python
+            raise self.fault(f"{key} = {value!r} is not a whole number", key)
+        with self.located(key):
+            return integer(key, value, least)
 
     def quantity(
         self, key: str, dimension: Dimension, units: Units, default: Any = _REQUIRED

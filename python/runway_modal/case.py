@@ -1,11 +1,12 @@
-"""Case files of the command line: TOML to modes, tracks and speeds in one unit system."""
+"""Case files of the command line: TOML to modes, runways and speeds in one unit system."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from . import _case_aircraft
+from ._case_random import read_random_runways
 from ._case_tracks import read_tracks
 from ._core import InputError
 from ._toml import Table, read_toml
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from . import nonlinear
+    from ._case_random import RandomRunways
     from .modes import Modes
     from .profile import Profile
     from .response import Response
@@ -32,41 +34,82 @@ class Case:
     modes: Modes
     #: What runs instead of the linear model, if the case asks for it.
     reference: nonlinear.Aircraft | None
-    tracks: Mapping[str, Profile]
+    #: None if the file has no [[track]].
+    tracks: Mapping[str, Profile] | None
+    #: None if the file has neither [roughness] nor [monte_carlo].
+    random: RandomRunways | None
     #: Speeds [length/s] by the text that names them.
     speeds: Mapping[str, float]
     duration: float | None
+    #: How far the foremost gear rolls, where that says how long a run lasts.
+    distance: float | None = None
     damping_input: bool
     #: Files to write, by kind.
     output: Mapping[str, Path]
-    #: Inferred data that the case rests on.
-    notes: tuple[str, ...]
-    #: Where faults of the run are to be sought.
-    place: Table
+    #: Inferred data that the aircraft and the tracks rest on.
+    aircraft_notes: tuple[str, ...]
+    track_notes: tuple[str, ...]
+    #: Where faults are to be sought.
+    root: Table
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Inferred data that a run over the tracks rests on."""
+        return self.aircraft_notes + self.track_notes
+
+    def random_runways(self) -> RandomRunways:
+        """Random runways; a fault if the file has none."""
+        if self.random is None:
+            raise self.root.fault("monte_carlo is missing")
+        return self.random
+
+    def over_random_runway(self, run: int) -> Case:
+        """Take one of the random runways as tracks; a run lasts as long as in the Monte Carlo."""
+        tracks = self.random_runways().profiles(self.modes, run)
+        x = [gear.x for gear in self.modes.aircraft.gears]
+        return replace(
+            self,
+            title=f"{self.title}: random runway {run}",
+            tracks=tracks,
+            track_notes=(),
+            distance=max(float(track.x[-1]) for track in tracks.values()) + max(x) - min(x),
+        )
 
     def run(self) -> dict[str, Response | nonlinear.Response]:
         """Simulate every speed."""
-        with self.place.located():
-            return {name: self._simulate(speed) for name, speed in self.speeds.items()}
+        if self.tracks is None:
+            raise self.root.fault("track is missing")
+        tracks = self.tracks
+        with self.root.table("run").located():
+            return {name: self._simulate(tracks, speed) for name, speed in self.speeds.items()}
 
-    def _simulate(self, speed: float) -> Response | nonlinear.Response:
+    def _simulate(
+        self, tracks: Mapping[str, Profile], speed: float
+    ) -> Response | nonlinear.Response:
+        duration = self.duration if self.distance is None else self.distance / speed
         if self.reference is not None:
             from .nonlinear import simulate as simulate_nonlinear
 
-            return simulate_nonlinear(self.reference, self.tracks, speed, duration=self.duration)
+            return simulate_nonlinear(self.reference, tracks, speed, duration=duration)
         return simulate(
             self.modes,
-            self.tracks,
+            tracks,
             speed,
-            duration=self.duration,
+            duration=duration,
             damping_input=self.damping_input,
         )
+
+
+_SECTIONS = (
+    "title", "units", "aircraft", "single_dof", "track", "footprint", "roughness", "monte_carlo",
+    "run", "output",
+)  # fmt: skip
 
 
 def read_case(path: Path) -> Case:
     """Read a case file; `InputError` names file, line and key."""
     root = read_toml(path)
-    root.only("title", "units", "aircraft", "single_dof", "track", "footprint", "run", "output")
+    root.only(*_SECTIONS)
     system = root.table("units")
     system.only("length", "force")
     with system.located():
@@ -81,7 +124,12 @@ def read_case(path: Path) -> Case:
         reference, modes = _case_aircraft.nonlinear_and_modes(root.table("aircraft"), units, notes)
     else:
         modes = _case_aircraft.linear(root.table("aircraft"), units)
-    tracks = read_tracks(root, modes.aircraft.gear_names, units, notes)
+    tracks, track_notes = None, list[str]()
+    if "track" in root.values:
+        tracks = read_tracks(root, modes.aircraft.gear_names, units, track_notes)
+    random = None
+    if {"roughness", "monte_carlo"} & root.values.keys():
+        random = read_random_runways(root, units)
     run = root.table("run")
     run.only("speeds", "duration", "damping_input")
     if reference is not None and "damping_input" in run.values:
@@ -97,12 +145,14 @@ def read_case(path: Path) -> Case:
         modes=modes,
         reference=reference,
         tracks=tracks,
+        random=random,
         speeds=_speeds(run, units),
         duration=run.quantity("duration", TIME, units, None),
         damping_input=run.flag("damping_input"),
         output={kind: path.parent / output.text(kind) for kind in output.values},
-        notes=tuple(notes),
-        place=run,
+        aircraft_notes=tuple(notes),
+        track_notes=tuple(track_notes),
+        root=root,
     )
 
 

@@ -21,6 +21,7 @@ _BEGIN = """\
 to begin:
   runway-modal example > case.toml      a case with every key explained
   runway-modal run case.toml --figure loads.png
+  runway-modal mc case.toml --figure exceedance.png
 
 exit codes: 0 done, 1 numerical failure, missing extra or no memory,
 2 bad input or a file that cannot be read or written, 130 interrupted
@@ -30,6 +31,13 @@ _RUN = """\
 Print modes, static loads and, for each speed, the true extremes of gear loads
 and accelerations; write what is asked for, here or under [output] in the case.
 With - the summary goes to standard error.
+"""
+
+_MC = """\
+Roll over the random runways of [roughness] and [monte_carlo] in the case, at each speed of [run].
+Print means, quantiles and probabilities of exceedance with their confidence intervals, and the
+worst runs by number, each of which `runway-modal run CASE.toml --runway NUMBER` shows in full.
+A progress bar is drawn on a terminal (extra cli). With --csv - the summary goes to standard error.
 """
 
 
@@ -94,6 +102,30 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--figure", metavar="PATH", help="gear loads over the profile, .png .pdf .svg (extra plot)"
     )
+    run.add_argument(
+        "--runway",
+        type=int,
+        metavar="NUMBER",
+        help="over this random runway of runway-modal mc, in place of the tracks",
+    )
+    mc = add("mc", _mc, "roll over random runways: a Monte Carlo of a case file", _MC)
+    mc.add_argument("case", type=Path, metavar="CASE.toml", help="see runway-modal example")
+    mc.add_argument("--runs", type=int, metavar="N", help="how many, whatever the case says")
+    mc.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="keep finished runs, a directory a speed; the same command goes on from them "
+        "(extra tables)",
+    )
+    mc.add_argument("--csv", metavar="PATH", help="a row a run; - for standard output")
+    mc.add_argument("--parquet", metavar="PATH", help="a row a run (extra tables)")
+    mc.add_argument(
+        "--figure",
+        metavar="PATH",
+        help="histogram and exceedance of the largest loads, .png .pdf .svg (extra plot)",
+    )
+    mc.add_argument("--quiet", action="store_true", help="no progress bar")
     add("example", _example, "print a case file with every key explained")
     report = add("report", _report, "write the 1980 report, recomputed, as a page")
     report.add_argument(
@@ -103,7 +135,15 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _run(parsed: argparse.Namespace) -> None:
-    _run_case.run(parsed.case, {kind: getattr(parsed, kind) for kind in _run_case.KINDS})
+    asked = {kind: getattr(parsed, kind) for kind in _run_case.KINDS}
+    _run_case.run(parsed.case, asked, parsed.runway)
+
+
+def _mc(parsed: argparse.Namespace) -> None:
+    from . import _run_monte_carlo
+
+    asked = {kind: getattr(parsed, kind) for kind in _run_monte_carlo.KINDS}
+    _run_monte_carlo.run(parsed.case, asked, runs=parsed.runs, out=parsed.out, quiet=parsed.quiet)
 
 
 def _example(_: argparse.Namespace) -> None:

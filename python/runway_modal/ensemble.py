@@ -12,6 +12,7 @@ import numpy as np
 from . import _core
 from ._core import InputError
 from ._input import any_array, array, number, read_only
+from ._quantities import DIMENSIONS
 from .modes import Modes
 
 if TYPE_CHECKING:
@@ -23,9 +24,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from .units import Units
-
-#: What quantiles and exceedances are asked of.
-_QUANTITIES = ("max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -189,8 +187,9 @@ class Ensemble:
 
     def _sorted(self, quantity: str) -> NDArray[np.float64]:
         """Values of a quantity over the valid runs, ascending, a column a gear or station."""
-        if quantity not in _QUANTITIES:
-            raise InputError(f"quantity = {quantity!r}: no such quantity; there are {_QUANTITIES}")
+        if quantity not in DIMENSIONS:
+            there = tuple(DIMENSIONS)
+            raise InputError(f"quantity = {quantity!r}: no such quantity; there are {there}")
         values = getattr(self, quantity)
         if isinstance(values, dict):
             values = np.column_stack(list(values.values()))

@@ -66,7 +66,7 @@ def loads_over_profile(
     >>> len(figure.axes)
     2
     """
-    _require()
+    require()
     from matplotlib.figure import Figure
 
     if not responses:
@@ -179,7 +179,8 @@ def plot_profile(profile: Profile, ax: Axes | None, units: Units | None) -> Axes
 _COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 
 
-def _require() -> None:
+def require() -> None:
+    """Name the extra if matplotlib is not there."""
     try:
         import matplotlib as mpl  # noqa: F401
     except ImportError:
@@ -187,7 +188,7 @@ def _require() -> None:
 
 
 def _axes() -> Axes:
-    _require()
+    require()
     import matplotlib.pyplot as plt
 
     return plt.subplots(layout="constrained")[1]

@@ -7,27 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ._core import InputError
-from .ensemble import Estimate
-from .plotting import _COLORS, _axes, _load_unit, _require
+from ._quantities import DIMENSIONS, DOWNWARD, LABELS, beyond, labels
+from .plotting import _COLORS, _axes, _load_unit, require
+from .units import FORCE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from .ensemble import Ensemble
     from .units import Units
-
-#: What each quantity is called.
-LABELS = {
-    "max_load": "largest load",
-    "min_load": "smallest load",
-    "rms_load": "RMS of dynamic load",
-    "max_acceleration": "largest |vertical acceleration|",
-    "rms_acceleration": "RMS of vertical acceleration",
-}
 
 #: More would show the chance of the draw; levels of a curve.
 _BINS, _LEVELS = 60, 300
@@ -70,7 +61,7 @@ def histograms_and_exceedances(
     >>> len(figure.axes)
     2
     """
-    _require()
+    require()
     from matplotlib.figure import Figure
 
     if not ensembles:
@@ -146,7 +137,7 @@ def plot_exceedance(
     shown = _columns(ensemble, quantity, names)
     ax = ax or _axes()
     scale, unit = _scale(quantity, units)
-    runs, below = values.shape[0], quantity == "min_load"
+    runs, below = values.shape[0], quantity in DOWNWARD
     # As close in every power of ten; the last step ends at the extreme of all runs.
     counts = np.unique(np.geomspace(1, runs, _LEVELS).astype(int))
     for i, (name, column) in enumerate(shown):
@@ -169,33 +160,22 @@ def plot_exceedance(
     return ax
 
 
-def beyond(
-    ensemble: Ensemble, quantity: str, levels: NDArray[np.float64], *, confidence: float = 0.95
-) -> Estimate:
-    """Estimate the probability of a run above levels; of a smallest load, at or below them."""
-    above = ensemble.exceedance(quantity, levels, confidence=confidence)
-    if quantity != "min_load":
-        return above
-    return Estimate(value=1.0 - above.value, low=1.0 - above.high, high=1.0 - above.low)
-
-
 def _columns(
     ensemble: Ensemble, quantity: str, names: Sequence[str] | None
 ) -> list[tuple[str, int]]:
     """Names and columns of what is to be shown."""
-    of_gears = quantity.endswith("load")
-    there = ensemble.gear_names if of_gears else tuple(getattr(ensemble, quantity))
+    there = labels(ensemble, quantity)
     shown = there if names is None else names
     for i, name in enumerate(shown):
         if name not in there:
-            kind = "gear" if of_gears else "station"
+            kind = "gear" if DIMENSIONS[quantity] == FORCE else "station"
             raise InputError(f"names[{i}] = {name!r}: no such {kind}; there are {there}")
     return [(name, there.index(name)) for name in shown]
 
 
 def _scale(quantity: str, units: Units | None) -> tuple[float, str]:
     """Divisor of a quantity for its axis, and its unit there."""
-    if quantity.endswith("load"):
+    if DIMENSIONS[quantity] == FORCE:
         scale, unit = _load_unit(units)
         return scale, unit.strip(" []")
     return (1.0, "") if units is None else (units.standard_gravity, "g")

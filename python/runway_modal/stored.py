@@ -66,6 +66,8 @@ def monte_carlo(
     InputError
         If an argument is of the wrong kind or out of range, or the directory holds runs of
         another set-up or version.
+    ImportError
+        If pandas or pyarrow is not installed.
 
     Examples
     --------
@@ -79,6 +81,7 @@ def monte_carlo(
     ...     print(stored.read(directory))
     <Ensemble: 100 runs, gears nose, left, right, none failed>
     """
+    require()
     parts = chunks(modes, roughness, options, chunk)
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
@@ -129,6 +132,8 @@ def read(directory: str | os.PathLike[str]) -> Ensemble:
     ------
     InputError
         If there are none.
+    ImportError
+        If pandas or pyarrow is not installed.
 
     Examples
     --------
@@ -137,6 +142,7 @@ def read(directory: str | os.PathLike[str]) -> Ensemble:
     Traceback (most recent call last):
     runway_modal.InputError: directory = '/nowhere' holds no runs
     """
+    require()
     folder = Path(directory)
     files = sorted(folder.glob("runs-*.parquet"))
     if not files:
@@ -176,7 +182,6 @@ def _holds(file: Path, runs: int) -> bool:
     """Whether a file has so many runs: the last one of an earlier call may have fewer."""
     if not file.exists():
         return False
-    _pandas()
     from pyarrow.parquet import read_metadata
 
     return bool(read_metadata(file).num_rows >= runs)
@@ -188,7 +193,9 @@ def _write(file: Path, part: Chunk) -> None:
 
 
 def _read(file: Path, common: dict[str, Any]) -> Ensemble:
-    frame = _pandas().read_parquet(file)
+    import pandas as pd
+
+    frame = pd.read_parquet(file)
 
     def named(quantity: str) -> dict[str, Any]:
         start = f"{quantity} "
@@ -209,9 +216,7 @@ def _read(file: Path, common: dict[str, Any]) -> Ensemble:
     )
 
 
-def _pandas() -> Any:
+def require() -> None:
+    """Name the extra if what reads and writes Parquet files is not there."""
     if find_spec("pandas") is None or find_spec("pyarrow") is None:
         raise ImportError("runs on disk need pandas and pyarrow: pip install runway_modal[tables]")
-    import pandas as pd
-
-    return pd

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .units import ACCELERATION, FORCE, SPEED
+from ._quantities import DIMENSIONS
+from .units import FORCE, SPEED
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -37,12 +38,13 @@ class _Quantity(NamedTuple):
 
 def _quantities(ensemble: Ensemble) -> Iterator[_Quantity]:
     """Everything that tables show, in the order of their columns."""
-    for name in ("max_load", "min_load", "rms_load"):
-        yield _Quantity(name, FORCE, getattr(ensemble, name), "gear", ensemble.gear_names)
-    for name in ("max_acceleration", "rms_acceleration"):
-        stations = getattr(ensemble, name)
-        values = np.column_stack(list(stations.values()))
-        yield _Quantity(name, ACCELERATION, values, "station", tuple(stations))
+    for name, dimension in DIMENSIONS.items():
+        values = getattr(ensemble, name)
+        if dimension == FORCE:
+            yield _Quantity(name, dimension, values, "gear", ensemble.gear_names)
+        else:
+            by_station = np.column_stack(list(values.values()))
+            yield _Quantity(name, dimension, by_station, "station", tuple(values))
 
 
 def _columns(ensemble: Ensemble) -> dict[str, tuple[NDArray[np.float64], Dimension]]:

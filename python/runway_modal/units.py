@@ -92,6 +92,8 @@ MASS: Dimension = (-1, 1, 2)
 INERTIA: Dimension = (1, 1, 2)
 STIFFNESS: Dimension = (-1, 1, 0)
 DAMPING: Dimension = (-1, 1, 1)
+#: Of elevation, against cycles per length.
+PSD: Dimension = (3, 0, 0)
 
 #: Exact by definition, in SI: the pound, and standard gravity.
 _POUND, _GRAVITY = Fraction("0.45359237"), Fraction("9.80665")
@@ -127,6 +129,7 @@ _UNITS: dict[str, tuple[Fraction, Dimension]] = {
     "slug": (_POUND * _GRAVITY / Fraction("0.3048"), MASS),
 }
 
+_NUMBER = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
 _FACTOR = re.compile(r"([A-Za-z]+)\^?([1-4]?)")
 
 
@@ -254,7 +257,7 @@ class Units:
             if isinstance(value, bool):
                 raise InputError(f"{argument} = {value!r} is not a number")
             return finite(argument, value)
-        found = re.fullmatch(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)\s*", value)
+        found = re.fullmatch(rf"\s*({_NUMBER})\s*(\S.*?)\s*", value)
         wanted = self.name(dimension)
         if not found:
             raise InputError(
@@ -277,6 +280,44 @@ class Units:
         except ValueError:
             raise InputError(f"{argument} = {value!r} does not begin with a number") from None
         return finite(argument, amount * float(size / self._size(dimension)))
+
+    def spatial_frequency(self, argument: str, value: object) -> float:
+        """
+        Pass a spatial frequency in cycles per unit of length.
+
+        Parameters
+        ----------
+        argument : str
+            What it is, for messages.
+        value : float or str
+            A number in cycles per unit of length, or a text with its own, "0.1 cycles/m". Radians
+            are not taken: 1 rad/m is 1/2π cycles/m.
+
+        Returns
+        -------
+        float
+            The frequency.
+
+        Raises
+        ------
+        InputError
+            If it is no number or its unit is another.
+
+        Examples
+        --------
+        >>> from runway_modal.units import Units
+        >>> Units("in", "lbf").spatial_frequency("reference", "0.1 cycles/m")
+        0.00254
+        """
+        if not isinstance(value, str):
+            return self.quantity(argument, value, LENGTH)
+        found = re.fullmatch(rf"\s*({_NUMBER})\s*cycles?/([a-z]+)\s*", value)
+        if not found or found[2] not in _LENGTHS:
+            raise InputError(
+                f"{argument} = {value!r} is not a number of cycles/{', cycles/'.join(_LENGTHS)}"
+            )
+        number = self.quantity(argument, f"{found[1]} {self.length}", LENGTH)
+        return number / self.quantity(argument, f"1 {found[2]}", LENGTH)
 
     def factor(self, to: Units, dimension: Dimension) -> float:
         """

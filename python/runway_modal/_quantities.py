@@ -1,0 +1,48 @@
+"""What an ensemble tells of every run: names, dimensions, and which way is beyond."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .units import ACCELERATION, FORCE
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .ensemble import Ensemble, Estimate
+
+#: Those of gears, then those of stations.
+DIMENSIONS = {
+    "max_load": FORCE,
+    "min_load": FORCE,
+    "rms_load": FORCE,
+    "max_acceleration": ACCELERATION,
+    "rms_acceleration": ACCELERATION,
+}
+
+LABELS = {
+    "max_load": "largest load",
+    "min_load": "smallest load",
+    "rms_load": "RMS of dynamic load",
+    "max_acceleration": "largest |vertical acceleration|",
+    "rms_acceleration": "RMS of vertical acceleration",
+}
+
+#: Of these the small values are the dangerous ones.
+DOWNWARD = ("min_load",)
+
+
+def labels(ensemble: Ensemble, quantity: str) -> tuple[str, ...]:
+    """Names of the gears or stations that have a quantity."""
+    of_gears = DIMENSIONS[quantity] == FORCE
+    return ensemble.gear_names if of_gears else tuple(getattr(ensemble, quantity))
+
+
+def beyond(
+    ensemble: Ensemble, quantity: str, level: ArrayLike, *, confidence: float = 0.95
+) -> Estimate:
+    """Estimate the probability of a run above levels; of a smallest load, at or below them."""
+    above = ensemble.exceedance(quantity, level, confidence=confidence)
+    if quantity not in DOWNWARD:
+        return above
+    return type(above)(value=1.0 - above.value, low=1.0 - above.high, high=1.0 - above.low)

@@ -1,0 +1,271 @@
+"""``runway-modal mc``: rolls over random runways, prints what they come to, writes every run."""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import plotting, stored, tables_ensemble
+from ._case_output import STANDARD, modes_table, opened, save_figure, stated_speed, told
+from ._core import InputError
+from ._input import integer
+from ._progress import progress_bar
+from ._quantities import DIMENSIONS, DOWNWARD, LABELS, beyond, labels
+from .case import read_case
+from .roughness import monte_carlo
+from .units import FORCE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from ._case_random import RandomRunways
+    from .case import Case
+    from .ensemble import Ensemble
+
+#: Shares of the runs below the quantiles that are printed.
+_SHARES = np.array([0.5, 0.95, 0.99, 0.999])
+
+#: Worst runs that are named.
+_WORST = 5
+
+
+def run(
+    path: Path,
+    asked: Mapping[str, str | None],
+    *,
+    runs: int | None = None,
+    out: Path | None = None,
+    quiet: bool = False,
+) -> None:
+    """Run the Monte Carlo of a case file; `asked` names files by kind."""
+    case = read_case(path)
+    random = case.random_runways()
+    if runs is not None:
+        random = replace(random, runs=integer("--runs", runs, 1))
+    if case.reference is not None:
+        table = case.root.table("aircraft")
+        raise table.fault("nonlinear: a Monte Carlo takes the linear model", "nonlinear")
+    wanted = {kind: to or "" for kind, to in asked.items()}
+    stream = told(path, wanted)
+    _check(wanted)
+    ensembles = _compute(case, random, out, quiet=quiet)
+    print("\n".join(_summary(path, case, random, ensembles)), file=stream)
+    if out is not None:
+        print(f"runs kept in: {out}", file=stream)
+    for kind, to in wanted.items():
+        if to:
+            _WRITERS[kind](case, ensembles, to)
+            if to != STANDARD:
+                print(f"{kind}: {to}", file=stream)
+
+
+def _check(wanted: Mapping[str, str]) -> None:
+    """Say before the computing, not after it, what cannot be written."""
+    for kind, to in wanted.items():
+        if to != STANDARD and not Path(to).parent.is_dir():
+            raise InputError(f"{kind} {to}: there is no such directory")
+    if wanted["parquet"]:
+        stored.require()
+    if wanted["figure"]:
+        plotting.require()
+        from matplotlib.figure import Figure
+
+        kinds = Figure().canvas.get_supported_filetypes()
+        if Path(wanted["figure"]).suffix.removeprefix(".").lower() not in kinds:
+            raise InputError(f"figure {wanted['figure']}: the ending is none of {', '.join(kinds)}")
+
+
+def _compute(
+    case: Case, random: RandomRunways, out: Path | None, *, quiet: bool
+) -> dict[str, Ensemble]:
+    """Roll at every speed; whoever interrupts is told what is kept."""
+    total, done = random.runs * len(case.speeds), 0
+    found: dict[str, Ensemble] = {}
+    try:
+        with progress_bar(total, quiet=quiet) as show:
+            for name, speed in case.speeds.items():
+
+                def progress(finished: int, _: int) -> None:
+                    nonlocal done
+                    done = len(found) * random.runs + finished
+                    show(done)
+
+                options = random.options(speed, damping_input=case.damping_input)
+                with random.place.located():
+                    if out is None:
+                        found[name] = monte_carlo(
+                            case.modes, random.roughness, **options, progress=progress
+                        )
+                        continue
+                    folder = out / _folder(name)
+                    stored.monte_carlo(
+                        folder, case.modes, random.roughness, **options, progress=progress
+                    )
+                    found[name] = stored.read(folder)
+    except KeyboardInterrupt:
+        kept = (
+            "nothing is kept; --out DIR keeps finished runs"
+            if out is None
+            else f"{done} of {total} runs are kept in {out}; the same command goes on from there"
+        )
+        print(f"runway-modal: interrupted: {kept}", file=sys.stderr)
+        raise
+    return found
+
+
+def _folder(speed: str) -> str:
+    """Name of a directory for the runs at a speed, on any system."""
+    return re.sub(r"[^\w.+ -]", "_", speed)
+
+
+def _summary(
+    path: Path, case: Case, random: RandomRunways, ensembles: Mapping[str, Ensemble]
+) -> Iterator[str]:
+    length, force = case.units.length, case.units.force
+    yield _title(case)
+    yield f"Units: {length}, {force}, s"
+    low, high = random.roughness.band
+    yield (
+        f"Runways {random.length:.6g} {length} long, a station every {random.spacing:.6g} "
+        f"{length}, seed {random.seed}"
+    )
+    yield (
+        f"  waves of {1 / low:.6g} to {1 / high:.6g} {length}, standard deviation of elevation "
+        f"{random.roughness.variance**0.5:.4g} {length}"
+    )
+    yield (
+        "  one track under all gears"
+        if random.tracks == "one"
+        else "  each gear on a track of its own, coherent as on an isotropic surface"
+    )
+    over = [f"[{key}]" for key in ("[track]", "footprint") if key.strip("[]") in case.root.values]
+    if over:
+        yield f"Left out, being of `runway-modal run`: {', '.join(over)}"
+    yield ""
+    yield from modes_table(case)
+    for name, ensemble in ensembles.items():
+        yield ""
+        yield from _of_speed(case, name, ensemble, random)
+    worst = next(iter(ensembles.values())).worst(case.modes.aircraft.gear_names[0], 1)[0]
+    yield ""
+    yield f"Any run in full: runway-modal run {path} --runway {worst}"
+
+
+def _title(case: Case) -> str:
+    return f"{case.title}: random runways, {case.random_runways().spectrum}"
+
+
+def _of_speed(case: Case, name: str, ensemble: Ensemble, random: RandomRunways) -> Iterator[str]:
+    units, gears = case.units, ensemble.gear_names
+    width = max(8, *map(len, gears), *map(len, ensemble.max_acceleration))
+    first, last = ensemble.run[0], ensemble.run[-1]
+    yield f"Speed {stated_speed(case, name)}: {len(ensemble)} runs, {first} to {last}"
+    static = ensemble.static_load[0]
+    digits = 1 if static.max() >= 1e3 else 4
+    loads = (f"{gear} {load:.{digits}f}" for gear, load in zip(gears, static, strict=True))
+    yield f"  Static load [{units.force}]: {', '.join(loads)}"
+    for quantity, dimension in DIMENSIONS.items():
+        yield ""
+        if dimension == FORCE:
+            yield from _quantity(ensemble, quantity, 1.0, units.force, width, digits)
+        else:
+            yield from _quantity(ensemble, quantity, units.standard_gravity, "g", width, 4)
+    yield ""
+    yield from _shares(ensemble, random)
+    yield ""
+    yield f"  {'Largest loads':<{width + 6}} in runs, worst first"
+    for gear in gears:
+        numbers = ", ".join(map(str, ensemble.worst(gear, _WORST)))
+        yield f"  {gear:<{width + 6}} {numbers}"
+
+
+def _quantity(
+    ensemble: Ensemble, quantity: str, scale: float, unit: str, width: int, digits: int
+) -> Iterator[str]:
+    """Mean, quantiles and extreme of a quantity, a gear or station a line, and their intervals."""
+    downward = quantity in DOWNWARD
+    shares = 1.0 - _SHARES if downward else _SHARES
+    mean, quantiles = ensemble.mean(quantity), ensemble.quantile(quantity, shares)
+    told = np.isfinite(quantiles.low[:, 0]) & np.isfinite(quantiles.high[:, 0])
+    heads = ["mean", *(f"{100 * share:g} %" for share in shares[told])]
+    cells = "".join(f"{head:>12}" for head in [*heads, "smallest" if downward else "largest"])
+    head = f"{LABELS[quantity]} [{unit}]"
+    yield f"  {head[0].upper()}{head[1:]}, with 95 % intervals"
+    yield f"  {'':<{width}}{cells}{'in run':>12}"
+
+    def line(head: str, numbers: list[float], run: str = "") -> str:
+        texts = "".join(f"{number / scale:12.{digits}f}" for number in numbers)
+        return f"  {head:<{width}}{texts}{run}"
+
+    for column, name in enumerate(labels(ensemble, quantity)):
+        values = getattr(ensemble, quantity)
+        one = values[name] if isinstance(values, dict) else values[:, column]
+        at = int(one.argmin() if downward else one.argmax())
+        value, low, high = (
+            [getattr(mean, part)[0, column], *getattr(quantiles, part)[told, column]]
+            for part in ("value", "low", "high")
+        )
+        yield line(name, [*value, one[at]], f"{ensemble.run[at]:>12}")
+        if len(ensemble) > 1:
+            yield line("  from", low)
+            yield line("  to", high)
+    few = shares[~told]
+    if few.size:
+        missing = ", ".join(f"{100 * share:g} %" for share in few)
+        yield f"  {missing}: too few runs to bound"
+
+
+def _shares(ensemble: Ensemble, random: RandomRunways) -> Iterator[str]:
+    """How many runs unload a gear or exceed a level."""
+    asked = {"min_load": {"0 (unloads)": 0.0}}
+    for quantity, levels in random.levels.items():
+        asked[quantity] = asked.get(quantity, {}) | dict(levels)
+    rows: list[tuple[str, float, float, float]] = []
+    for quantity, levels in asked.items():
+        found = beyond(ensemble, quantity, list(levels.values()))
+        side = "at or below" if quantity in DOWNWARD else "above"
+        for i, text in enumerate(levels):
+            for column, name in enumerate(labels(ensemble, quantity)):
+                parts = (part[i, column] for part in (found.value, found.low, found.high))
+                value, low, high = (100.0 * float(part) for part in parts)
+                rows.append((f"{name}: {LABELS[quantity]} {side} {text}", value, low, high))
+    width = max(len(row[0]) for row in rows)
+    head = "Share of runs [%], with 95 % intervals"
+    yield f"  {head:<{width}}{'':>12}{'from':>12}{'to':>12}"
+    for what, value, low, high in rows:
+        yield f"  {what:<{width}}{value:12.4f}{low:12.4f}{high:12.4f}"
+    if ensemble.unloaded.any():
+        lost = ", ".join(
+            name for i, name in enumerate(ensemble.gear_names) if ensemble.unloaded[:, i].any()
+        )
+        yield f"  WARNING: {lost} unloads: past that the linear model no longer holds."
+
+
+def _write_csv(case: Case, ensembles: Mapping[str, Ensemble], to: str) -> None:
+    with opened(to) as file:
+        tables_ensemble.write_csv(ensembles.values(), case.units, file)
+
+
+def _write_parquet(case: Case, ensembles: Mapping[str, Ensemble], to: str) -> None:
+    tables_ensemble.write_parquet(ensembles.values(), case.units, Path(to))
+
+
+def _write_figure(case: Case, ensembles: Mapping[str, Ensemble], to: str) -> None:
+    from .plotting_ensemble import histograms_and_exceedances
+
+    save_figure(histograms_and_exceedances(ensembles, _title(case), units=case.units), to)
+
+
+_WRITERS: dict[str, Callable[[Case, Mapping[str, Ensemble], str], None]] = {
+    "csv": _write_csv,
+    "parquet": _write_parquet,
+    "figure": _write_figure,
+}
+
+#: Kinds of files.
+KINDS = tuple(_WRITERS)

@@ -126,6 +126,8 @@ def test_runs_from_disk_merge_with_their_like_alone(tmp_path, modes, surface):
         ({"runs": 0}, "runs = 0"),
         ({"runs": 3, "chunk": 0}, "chunk = 0"),
         ({"runs": 3, "speed": [1.0, 2.0]}, r"speed has the shape \(2,\)"),
+        ({"runs": 3, "speed": -1.0}, r"speed.* = -1"),
+        ({"runs": 3, "spacing": 100.0}, "spacing = 100"),
     ],
 )
 def test_bad_arguments_leave_no_files(tmp_path, modes, surface, options, named):

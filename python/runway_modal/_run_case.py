@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import tables
 from ._case_output import STANDARD, modes_table, opened, save_figure, stated_speed, told
+from ._input import integer
 from .case import Case, read_case
 
 if TYPE_CHECKING:
@@ -24,11 +25,12 @@ def run(path: Path, asked: Mapping[str, str | None], runway: int | None = None) 
     """
     Run a case file; `asked` names files by kind and goes before the case's own.
 
-    `runway` is the number of a random runway to be run over in place of the tracks.
+    `runway` is the number of a random runway to be run over in place of the tracks; then nothing
+    is written but what is asked for.
     """
     case = read_case(path)
     if runway is not None:
-        case = case.over_random_runway(runway)
+        case = case.over_random_runway(integer("--runway", runway, 0))
     wanted = {kind: str(asked[kind] or case.output.get(kind) or "") for kind in KINDS}
     stream = told(path, wanted)
     runs = case.run()

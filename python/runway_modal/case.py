@@ -72,6 +72,7 @@ class Case:
             title=f"{self.title}: random runway {run}",
             tracks=tracks,
             track_notes=(),
+            output={},  # is what the tracks' results are kept in
             distance=max(float(track.x[-1]) for track in tracks.values()) + max(x) - min(x),
         )
 

@@ -106,7 +106,7 @@ def _parser() -> argparse.ArgumentParser:
         "--runway",
         type=int,
         metavar="NUMBER",
-        help="over this random runway of runway-modal mc, in place of the tracks",
+        help="over this random runway of runway-modal mc, in place of the tracks; [output] is left",
     )
     mc = add("mc", _mc, "roll over random runways: a Monte Carlo of a case file", _MC)
     mc.add_argument("case", type=Path, metavar="CASE.toml", help="see runway-modal example")

@@ -191,8 +191,8 @@ def _quantity(
     downward = quantity in DOWNWARD
     shares = 1.0 - _SHARES if downward else _SHARES
     mean, quantiles = ensemble.mean(quantity), ensemble.quantile(quantity, shares)
-    told = np.isfinite(quantiles.low[:, 0]) & np.isfinite(quantiles.high[:, 0])
-    heads = ["mean", *(f"{100 * share:g} %" for share in shares[told])]
+    bounded = np.isfinite(quantiles.low[:, 0]) & np.isfinite(quantiles.high[:, 0])
+    heads = ["mean", *(f"{100 * share:g} %" for share in shares[bounded])]
     cells = "".join(f"{head:>12}" for head in [*heads, "smallest" if downward else "largest"])
     head = f"{LABELS[quantity]} [{unit}]"
     yield f"  {head[0].upper()}{head[1:]}, with 95 % intervals"
@@ -207,14 +207,14 @@ def _quantity(
         one = values[name] if isinstance(values, dict) else values[:, column]
         at = int(one.argmin() if downward else one.argmax())
         value, low, high = (
-            [getattr(mean, part)[0, column], *getattr(quantiles, part)[told, column]]
+            [getattr(mean, part)[0, column], *getattr(quantiles, part)[bounded, column]]
             for part in ("value", "low", "high")
         )
         yield line(name, [*value, one[at]], f"{ensemble.run[at]:>12}")
         if len(ensemble) > 1:
             yield line("  from", low)
             yield line("  to", high)
-    few = shares[~told]
+    few = shares[~bounded]
     if few.size:
         missing = ", ".join(f"{100 * share:g} %" for share in few)
         yield f"  {missing}: too few runs to bound"

@@ -12,11 +12,12 @@
 //!   products of these numbers, whatever the number of outputs and whatever the damping.
 
 use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use crate::error::{Error, Place, Result, finite, positive};
 use crate::modes::Modes;
-use crate::parallel;
+use crate::parallel::{self, Tools};
+use crate::run::check_speed;
 use crate::watch::Pulse;
 
 mod constants;
@@ -50,7 +51,10 @@ pub trait Source: Sync {
 /// Gives the elevations of up to [`RUNS`] runs side by side.
 pub trait Reader {
     /// Turns to `count` runs from `first` on.
-    fn open(&mut self, first: usize, count: usize);
+    ///
+    /// # Errors
+    /// What `pulse` gives: making elevations takes time.
+    fn open(&mut self, first: usize, count: usize, pulse: Pulse) -> Result<()>;
 
     /// Elevations of a track at so many stations from `first` on, by the instructions of `simd`. Lanes
     /// without a run are to hold finite numbers.
@@ -90,7 +94,7 @@ impl<'a, T: Copy + Into<f64> + Sync> Memory<'a, T> {
                 Err(error) => Some(error),
             }
         });
-        fault.unwrap_or(Error::RunOverflow { run })
+        fault.unwrap_or(Error::RunOverflow { place: Place::at("elevations", run) })
     }
 }
 
@@ -113,8 +117,9 @@ impl<T: Copy + Into<f64> + Sync> Source for Memory<'_, T> {
 }
 
 impl<T: Copy + Into<f64>> Reader for MemoryReader<'_, T> {
-    fn open(&mut self, first: usize, count: usize) {
+    fn open(&mut self, first: usize, count: usize, _: Pulse) -> Result<()> {
         (self.first, self.count) = (first, count);
+        Ok(())
     }
 
     #[inline(always)]
@@ -223,8 +228,7 @@ impl Plan {
             }
         }
         for (i, &speed) in self.speed.iter().enumerate() {
-            let place = if self.speed.len() == 1 { Place::from("speed") } else { Place::at("speed", i) };
-            positive(place, speed)?;
+            check_speed(self.place_of_speed(i), speed)?;
         }
         if self.stations == 0 {
             return Err(Error::TooShort { argument: "elevations", found: 0, least: 1 });
@@ -246,7 +250,18 @@ impl Plan {
         let stations = Stations { tracks, count, spacing };
         let case = if self.modes.len() == 1 { 0 } else { run };
         let speed = self.speed[if self.speed.len() == 1 { 0 } else { run }];
-        Setup::new(&self.modes[case], stations, speed, &self.points[case], self.damping_input)
+        let setup = Setup::new(&self.modes[case], stations, speed, &self.points[case], self.damping_input);
+        setup.map_err(|error| match error {
+            // The time over the profiles: all but the speed is as for other runs.
+            Error::OutOfRange { place, why, .. } if place == Place::from("tracks") => {
+                Error::OutOfRange { place: self.place_of_speed(run), value: speed, why }
+            }
+            other => other,
+        })
+    }
+
+    fn place_of_speed(&self, run: usize) -> Place {
+        if self.speed.len() == 1 { Place::from("speed") } else { Place::at("speed", run) }
     }
 
     /// Gears of the aircraft.
@@ -268,21 +283,11 @@ impl Plan {
 pub fn simulate(plan: &Plan, runs: usize, source: &impl Source, pulse: Pulse) -> Result<Statistics> {
     plan.check(runs)?;
     let shared = if plan.is_single() { Some(Lot::new(vec![plan.setup(0)?])) } else { None };
-    let blocks: Vec<Range<usize>> =
-        (0..runs).step_by(RUNS).map(|first| first..(first + RUNS).min(runs)).collect();
-    // A worker at a time is one thread's; what it has made serves the next block.
-    let idle = Mutex::new(Vec::new());
-    let spare = || idle.lock().unwrap_or_else(PoisonError::into_inner);
-    let parts = parallel::map(blocks.len(), pulse, |index, pulse| {
-        let ready = spare().pop();
-        let mut worker = ready.unwrap_or_else(|| Worker {
-            plan,
-            reader: source.reader(),
-            march: shared.as_ref().map(Lot::march),
-        });
-        let found = worker.block(blocks[index].clone(), pulse)?;
-        spare().push(worker);
-        Ok(found)
+    let blocks = (0..runs).step_by(RUNS).map(|first| first..(first + RUNS).min(runs));
+    let workers = Tools::new();
+    let parts = parallel::map(blocks, pulse, |block, pulse| {
+        let worker = || Worker { plan, reader: source.reader(), march: shared.as_ref().map(Lot::march) };
+        workers.lend(worker, |worker| worker.block(block, pulse))
     })?;
     let mut all = Statistics::default();
     for part in parts {
@@ -347,9 +352,7 @@ fn march_over(
     found: &mut Statistics,
     pulse: Pulse,
 ) -> Result<()> {
-    // Asked before too: a source that makes its elevations takes time over it.
-    pulse()?;
-    reader.open(runs.start, runs.len());
+    reader.open(runs.start, runs.len(), pulse)?;
     march.start(reader);
     let periods = march.layout.periods;
     for period in (0..periods).step_by(PERIODS) {

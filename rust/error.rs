@@ -113,8 +113,8 @@ pub enum Error {
     #[error("damping_input is on: the worst speed is bounded without the dampers' input only")]
     DampedInput,
     /// A run of many whose arithmetic left the range.
-    #[error("run {run}: a result left the range of double precision")]
-    RunOverflow { run: usize },
+    #[error("{place}: a result left the range of double precision")]
+    RunOverflow { place: Place },
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,

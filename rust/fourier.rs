@@ -7,6 +7,7 @@
 use std::f64::consts::TAU;
 
 use crate::ensemble::Row;
+use crate::watch::Watch;
 
 /// Real and imaginary parts of one term, or two neighbouring stations.
 pub(crate) type Pair = [Row; 2];
@@ -76,9 +77,10 @@ impl Transform {
 
     /// Turns terms in their places into their sums: x_j = Σ X_k e^(2πijk ÷ size).
     ///
-    /// Block by block, so that what a pass reads still is in the cache from the pass before.
+    /// Block by block, so that what a pass reads still is in the cache from the pass before. Leaves
+    /// them half summed once the caller has asked to stop.
     #[inline(always)]
-    pub fn sum(&self, x: &mut [Pair]) {
+    pub fn sum(&self, x: &mut [Pair], watch: &mut Watch) {
         let Some((&leaf, outer)) = self.radices.split_last() else { return };
         for done in 1..=x.len() / leaf {
             let mut block = leaf;
@@ -91,6 +93,9 @@ impl Transform {
                 blocks /= radix;
                 block *= radix;
                 self.pass(radix, &mut x[(blocks - 1) * block..blocks * block]);
+                if !watch.go_on(block as u32) {
+                    return;
+                }
             }
         }
     }
@@ -240,7 +245,7 @@ mod tests {
                 x[transform.place(k) as usize][0][lane] = re;
                 x[transform.place(k) as usize][1][lane] = im;
             }
-            transform.sum(&mut x);
+            transform.sum(&mut x, &mut Watch::new(&mut || Ok(())));
             for (j, lane) in (0..size).flat_map(|j| (0..RUNS).map(move |lane| (j, lane))) {
                 let mut expected = [0.0; 2];
                 for k in 0..size {

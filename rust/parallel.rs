@@ -29,28 +29,29 @@ pub(crate) fn threads() -> Arc<ThreadPool> {
     pool
 }
 
-/// Results of `work` for 0, 1, … `count` − 1, in that order; of several errors the first in that
-/// order, whichever thread met it. This thread asks `pulse` while others work.
+/// Results of `work` for every piece, in their order; of several errors the first in that order,
+/// whichever thread met it. This thread asks `pulse` while others work.
 ///
 /// # Errors
 /// What `work` or `pulse` gives.
-pub(crate) fn map<T: Send>(
-    count: usize,
+pub(crate) fn map<I: Send, T: Send>(
+    pieces: impl IntoIterator<Item = I>,
     pulse: Pulse,
-    work: impl Fn(usize, Pulse) -> Result<T> + Sync,
+    work: impl Fn(I, Pulse) -> Result<T> + Sync,
 ) -> Result<Vec<T>> {
-    if count == 1 {
+    let mut pieces: Vec<I> = pieces.into_iter().collect();
+    if pieces.len() <= 1 {
         // One piece is not worth waking threads for.
-        return work(0, pulse).map(|result| vec![result]);
+        return pieces.pop().map(|piece| work(piece, pulse)).into_iter().collect();
     }
     let stop = AtomicBool::new(false);
     let go_on = || if stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) };
-    let one = |index| go_on().and_then(|()| work(index, &mut || go_on()));
+    let one = |piece| go_on().and_then(|()| work(piece, &mut || go_on()));
     let (done, wait) = channel();
     threads().in_place_scope(|scope| {
         let all = &one;
         scope.spawn(move |_| {
-            let results: Vec<Result<T>> = (0..count).into_par_iter().map(all).collect();
+            let results: Vec<Result<T>> = pieces.into_par_iter().map(all).collect();
             // Nobody waits any more only if this scope is already unwinding.
             let _ = done.send(results);
         });
@@ -71,6 +72,25 @@ pub(crate) fn map<T: Send>(
     })
 }
 
+/// Tools that serve one piece of work after another: no more are made than there are threads.
+pub(crate) struct Tools<T>(Mutex<Vec<T>>);
+
+impl<T> Tools<T> {
+    pub fn new() -> Self {
+        Self(Mutex::new(Vec::new()))
+    }
+
+    /// Does a piece of work with tools that lie idle, or with new ones.
+    pub fn lend<R>(&self, make: impl FnOnce() -> T, work: impl FnOnce(&mut T) -> R) -> R {
+        let idle = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let ready = idle().pop();
+        let mut tools = ready.unwrap_or_else(make);
+        let result = work(&mut tools);
+        idle().push(tools);
+        result
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -78,11 +98,14 @@ mod tests {
     #[test]
     fn results_come_in_order_and_the_first_error_counts() {
         let square = |i: usize, _: Pulse| Ok(i * i);
-        assert_eq!(map(1000, &mut || Ok(()), square).unwrap(), (0..1000).map(|i| i * i).collect::<Vec<_>>());
+        assert_eq!(
+            map(0..1000, &mut || Ok(()), square).unwrap(),
+            (0..1000).map(|i| i * i).collect::<Vec<_>>()
+        );
         let fails = |i: usize, _: Pulse| -> Result<usize> {
             if i % 10 == 7 { Err(Error::NotConverged { iterations: i }) } else { Ok(i) }
         };
-        assert_eq!(map(1000, &mut || Ok(()), fails), Err(Error::NotConverged { iterations: 7 }));
+        assert_eq!(map(0..1000, &mut || Ok(()), fails), Err(Error::NotConverged { iterations: 7 }));
     }
 
     #[test]
@@ -93,6 +116,6 @@ mod tests {
                 std::thread::sleep(Duration::from_millis(1));
             }
         };
-        assert_eq!(map(8, &mut || Err(Error::Interrupted), for_ever), Err(Error::Interrupted));
+        assert_eq!(map(0..8, &mut || Err(Error::Interrupted), for_ever), Err(Error::Interrupted));
     }
 }

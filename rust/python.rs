@@ -13,7 +13,7 @@ use pyo3::exceptions::{PyArithmeticError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::aircraft::{self, Inertia};
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 use crate::extremes::Extreme;
 use crate::readout::Quantity;
 use crate::roughness::Stretch;
@@ -402,36 +402,41 @@ fn many<'py, T: numpy::Element + Copy + Into<f64> + Sync>(
 ) -> PyResult<Many<'py>> {
     let runs = elevations.as_array().dim().0;
     let memory = ensemble::Memory::new(elevations.as_slice()?, plan.tracks, plan.stations);
-    let found = detached(py, |pulse| {
-        let found = ensemble::simulate(plan, runs, &memory, pulse)?;
-        match found.failed.first() {
-            Some(&run) if !mask => Err(memory.fault(run)),
-            _ => Ok(found),
-        }
-    })?;
-    let failed = found.failed.iter().map(|&run| (run, memory.fault(run).to_string())).collect();
-    Ok((columns(py, plan, runs, found)?, failed))
+    run_many(py, plan, runs, &memory, mask, |run| memory.fault(run))
 }
 
-fn columns<'py>(
+/// Runs all; `fault` says why one gave no result.
+fn run_many<'py>(
     py: Python<'py>,
     plan: &ensemble::Plan,
     runs: usize,
-    found: ensemble::Statistics,
-) -> PyResult<[Bound<'py, PyArray2<f64>>; 5]> {
+    source: &impl ensemble::Source,
+    mask: bool,
+    fault: impl Fn(usize) -> Error + Sync,
+) -> PyResult<Many<'py>> {
+    let (found, failed) = detached(py, |pulse| {
+        let found = ensemble::simulate(plan, runs, source, pulse)?;
+        match found.failed.first() {
+            Some(&run) if !mask => return Err(fault(run)),
+            _ => (),
+        }
+        let failed = found.failed.iter().map(|&run| (run, fault(run).to_string())).collect();
+        Ok((found, failed))
+    })?;
     let columns = |values: Vec<f64>, count: usize| {
         numpy::ndarray::Array2::from_shape_vec((runs, count), values)
             .map(|array| PyArray2::from_owned_array(py, array))
             .map_err(|error| PyValueError::new_err(error.to_string()))
     };
     let (gears, points) = (plan.gears(), plan.points[0].len());
-    Ok([
+    let columns = [
         columns(found.max_load, gears)?,
         columns(found.min_load, gears)?,
         columns(found.rms_load, gears)?,
         columns(found.max_acceleration, points)?,
         columns(found.rms_acceleration, points)?,
-    ])
+    ];
+    Ok((columns, failed))
 }
 
 /// Many runs at once; `modes` and `speed` one for all or one a run. Failed runs raise, or are
@@ -507,7 +512,8 @@ impl Generator {
         seed: u64,
     ) -> PyResult<Self> {
         let (stretch, y) = (Stretch { length, spacing }, y.as_slice()?);
-        Ok(Self(py.detach(|| roughness::Generator::new(&spectrum.0, stretch, y, seed))?))
+        let new = |pulse: Pulse| roughness::Generator::new(&spectrum.0, stretch, y, seed, pulse);
+        Ok(Self(detached(py, new)?))
     }
 
     fn stations(&self) -> usize {
@@ -521,7 +527,7 @@ impl Generator {
     }
 }
 
-/// Runs over random profiles: tables as those of `simulate_many`.
+/// Runs over random profiles: results and `mask` as of `simulate_many`.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "a plan, spelled out")]
 fn monte_carlo<'py>(
@@ -533,7 +539,8 @@ fn monte_carlo<'py>(
     speed: Vec<f64>,
     stations: PyReadonlyArray2<f64>,
     damping_input: bool,
-) -> PyResult<[Bound<'py, PyArray2<f64>>; 5]> {
+    mask: bool,
+) -> PyResult<Many<'py>> {
     let plan = ensemble::Plan {
         modes: vec![Arc::clone(&modes.0)],
         speed,
@@ -544,16 +551,9 @@ fn monte_carlo<'py>(
         damping_input,
     };
     let source = roughness::Runs { generator: &generator.0, first: first_run };
-    let found = detached(py, |pulse| {
-        let found = ensemble::simulate(&plan, runs, &source, pulse)?;
-        // Elevations are finite: the motion left the range of double precision.
-        found
-            .failed
-            .first()
-            .map_or(Ok(()), |&run| Err(Error::RunOverflow { run: first_run as usize + run }))?;
-        Ok(found)
-    })?;
-    columns(py, &plan, runs, found)
+    // Elevations that are made are finite: only the motion can leave the range.
+    let number = |run| Place::at("run", first_run as usize + run);
+    run_many(py, &plan, runs, &source, mask, |run| Error::RunOverflow { place: number(run) })
 }
 
 #[pyfunction]

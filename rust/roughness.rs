@@ -16,16 +16,15 @@
 //! spectrum where it is steepest.
 
 use multiversion::multiversion;
-use rayon::prelude::*;
 
 use crate::coherence::Coherency;
 use crate::ensemble::{RUNS, Reader, Row, Simd, Source};
 use crate::error::{Error, Result, finite, positive};
 use crate::fourier::{NONE, Pair, Transform, times};
-use crate::parallel::threads;
+use crate::parallel::{self, Tools};
 use crate::random::{Deviates, LINES, Streams};
 use crate::spectrum::Spectrum;
-use crate::watch::Pulse;
+use crate::watch::{Pulse, Watch};
 
 /// Longest waves by which the period exceeds the length.
 const MARGIN: f64 = 2.0;
@@ -93,9 +92,9 @@ impl Generator {
     /// For parallel tracks at `y` on one isotropic surface; tracks at the same `y` are one.
     ///
     /// # Errors
-    /// Values out of range, a spacing that the band's shortest waves do not fit, and several
-    /// tracks where the spectrum has no single waviness.
-    pub fn new(spectrum: &Spectrum, stretch: Stretch, y: &[f64], seed: u64) -> Result<Self> {
+    /// Values out of range, a spacing that the band's shortest waves do not fit, several tracks
+    /// where the spectrum has no single waviness, or what `pulse` gives.
+    pub fn new(spectrum: &Spectrum, stretch: Stretch, y: &[f64], seed: u64, pulse: Pulse) -> Result<Self> {
         let Stretch { length, spacing } = stretch;
         positive("length", length)?;
         positive("spacing", spacing)?;
@@ -144,7 +143,10 @@ impl Generator {
             coherency.factor(k * step, &distinct, &mut triangle);
             triangle.into_iter().map(move |entry| half_deviation * entry)
         };
-        let triangles = threads().install(|| lines.par_iter().flat_map_iter(triangle).collect());
+        let triangles = parallel::map(lines.chunks(PORTION), pulse, |lines, pulse| {
+            pulse()?;
+            Ok(lines.iter().flat_map(triangle).collect::<Vec<f64>>())
+        })?;
         Ok(Self {
             seed,
             spacing,
@@ -152,7 +154,7 @@ impl Generator {
             tracks: distinct.len(),
             track_of,
             lines,
-            triangles,
+            triangles: triangles.concat(),
             transform,
         })
     }
@@ -186,8 +188,13 @@ impl Generator {
     }
 
     /// Makes the profiles of eight runs.
-    pub fn fill(&self, runs: [u64; RUNS], block: &mut Block) {
-        synthesize(self, &Streams::new(self.seed, runs), block);
+    ///
+    /// # Errors
+    /// What `pulse` gives; the block is then half made.
+    pub fn fill(&self, runs: [u64; RUNS], block: &mut Block, pulse: Pulse) -> Result<()> {
+        let mut watch = Watch::new(pulse);
+        synthesize(self, &Streams::new(self.seed, runs), block, &mut watch);
+        watch.outcome
     }
 
     /// Profiles of consecutive runs: (run, track, station), as many runs as fit.
@@ -196,35 +203,42 @@ impl Generator {
     /// When the caller asks to stop.
     pub fn elevations(&self, first_run: u64, out: &mut [f64], pulse: Pulse) -> Result<()> {
         let run_size = self.track_of.len() * self.stations;
-        let work = RUNS * self.transform.size() * self.tracks;
-        // Long enough for all threads to have work, short enough to stop within a second.
-        let threads = threads();
-        let blocks = threads.current_num_threads() * (PATIENCE / work).max(1);
-        for (wave, runs) in out.chunks_mut(blocks * RUNS * run_size).enumerate() {
-            pulse()?;
-            let fill = |block: &mut Block, (i, runs): (usize, &mut [f64])| {
-                self.fill_from(first_run.wrapping_add(((wave * blocks + i) * RUNS) as u64), block);
-                for (t, &track) in self.track_of.iter().enumerate() {
-                    let rows = block.track(track)[..self.stations].chunks(TILE);
-                    for (tile, rows) in rows.enumerate() {
-                        for (lane, run) in runs.chunks_mut(run_size).enumerate() {
-                            let out = &mut run[t * self.stations + tile * TILE..][..rows.len()];
-                            for (z, row) in out.iter_mut().zip(rows) {
-                                *z = row[lane];
-                            }
-                        }
+        let blocks = Tools::new();
+        parallel::map(out.chunks_mut(RUNS * run_size).enumerate(), pulse, |(i, runs), pulse| {
+            blocks.lend(
+                || self.block(),
+                |block| {
+                    self.fill_from(first_run.wrapping_add((i * RUNS) as u64), block, pulse)?;
+                    self.tracks_of(block, runs, pulse)
+                },
+            )
+        })?;
+        Ok(())
+    }
+
+    /// Takes the profiles of a block apart: (run, track, station).
+    fn tracks_of(&self, block: &Block, runs: &mut [f64], pulse: Pulse) -> Result<()> {
+        let mut watch = Watch::new(pulse);
+        let run_size = self.track_of.len() * self.stations;
+        for (t, &track) in self.track_of.iter().enumerate() {
+            for (tile, rows) in block.track(track)[..self.stations].chunks(TILE).enumerate() {
+                for (lane, run) in runs.chunks_mut(run_size).enumerate() {
+                    let out = &mut run[t * self.stations + tile * TILE..][..rows.len()];
+                    for (z, row) in out.iter_mut().zip(rows) {
+                        *z = row[lane];
                     }
                 }
-            };
-            let runs = runs.par_chunks_mut(RUNS * run_size).enumerate();
-            threads.install(|| runs.for_each_init(|| self.block(), fill));
+                if !watch.go_on(TILE as u32) {
+                    return watch.outcome;
+                }
+            }
         }
         Ok(())
     }
 
     /// Makes the profiles of eight consecutive runs.
-    fn fill_from(&self, first: u64, block: &mut Block) {
-        self.fill(std::array::from_fn(|lane| first.wrapping_add(lane as u64)), block);
+    fn fill_from(&self, first: u64, block: &mut Block, pulse: Pulse) -> Result<()> {
+        self.fill(std::array::from_fn(|lane| first.wrapping_add(lane as u64)), block, pulse)
     }
 }
 
@@ -256,8 +270,9 @@ impl Source for Runs<'_> {
 }
 
 impl Reader for RunsReader<'_> {
-    fn open(&mut self, first: usize, _count: usize) {
-        self.runs.generator.fill_from(self.runs.first.wrapping_add(first as u64), &mut self.block);
+    fn open(&mut self, first: usize, _count: usize, pulse: Pulse) -> Result<()> {
+        let Runs { generator, first: first_of_all } = self.runs;
+        generator.fill_from(first_of_all.wrapping_add(first as u64), &mut self.block, pulse)
     }
 
     #[inline(always)]
@@ -270,8 +285,8 @@ impl Reader for RunsReader<'_> {
 /// Stations turned from side by side to one after another at a time: they stay in the cache.
 const TILE: usize = 64;
 
-/// Stations times runs between two questions: some tens of milliseconds.
-const PATIENCE: usize = 1 << 22;
+/// Lines that a thread makes ready at a time: milliseconds.
+const PORTION: usize = 1 << 10;
 
 fn distinct(y: &[f64]) -> Result<(Vec<f64>, Vec<usize>)> {
     if y.is_empty() {
@@ -291,13 +306,13 @@ fn distinct(y: &[f64]) -> Result<(Vec<f64>, Vec<usize>)> {
 }
 
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn synthesize(generator: &Generator, streams: &Streams, block: &mut Block) {
-    synthesize_here(generator, streams, block);
+fn synthesize(generator: &Generator, streams: &Streams, block: &mut Block, watch: &mut Watch) {
+    synthesize_here(generator, streams, block, watch);
 }
 
 /// Draws the lines of all tracks, then sums them, track by track.
 #[inline(always)]
-fn synthesize_here(generator: &Generator, streams: &Streams, block: &mut Block) {
+fn synthesize_here(generator: &Generator, streams: &Streams, block: &mut Block, watch: &mut Watch) {
     for track in &mut block.tracks {
         track.fill(NONE);
     }
@@ -323,9 +338,12 @@ fn synthesize_here(generator: &Generator, streams: &Streams, block: &mut Block) 
                 terms[there] = [terms[there][0] + re, terms[there][1] - im];
             }
         }
+        if !watch.go_on((generator.tracks * LINES) as u32) {
+            return;
+        }
     }
     for terms in &mut block.tracks {
-        generator.transform.sum(terms);
+        generator.transform.sum(terms, watch);
     }
 }
 
@@ -340,11 +358,12 @@ mod tests {
         let law = PowerLaw { coefficient: 16e-6, waviness: 2.0, reference: 0.1, band: (0.01, 1.0) };
         let stretch = Stretch { length: 500.0, spacing: 0.5 };
         let spectrum = Spectrum::power_law(law).unwrap();
-        let generator = Generator::new(&spectrum, stretch, &[0.0, 5.0, -5.0], 7).unwrap();
+        let on: Pulse = &mut || Ok(());
+        let generator = Generator::new(&spectrum, stretch, &[0.0, 5.0, -5.0], 7, on).unwrap();
         let runs = std::array::from_fn(|lane| 100 * lane as u64);
         let (mut wide, mut plain) = (generator.block(), generator.block());
-        generator.fill(runs, &mut wide);
-        synthesize_here(&generator, &Streams::new(7, runs), &mut plain);
+        generator.fill(runs, &mut wide, on).unwrap();
+        synthesize_here(&generator, &Streams::new(7, runs), &mut plain, &mut Watch::new(on));
         assert_eq!(wide.tracks, plain.tracks);
     }
 }

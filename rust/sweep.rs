@@ -37,8 +37,8 @@ impl Course {
         for (i, &speed) in speeds.iter().enumerate() {
             check_speed(Place::at("speeds", i), speed)?;
         }
-        parallel::map(speeds.len(), pulse, |i, pulse| {
-            let run = self.at(speeds[i])?;
+        parallel::map(speeds, pulse, |&speed, pulse| {
+            let run = self.at(speed)?;
             run.extremes(quantities, run.span()?, pulse)
         })
     }

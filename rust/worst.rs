@@ -243,9 +243,8 @@ impl Search<'_> {
     /// Runs in the middle of cells.
     fn cells(&mut self, middles: &[f64], half: f64, pulse: Pulse) -> Result<Vec<Cell>> {
         let (course, target) = (self.course, self.target);
-        let trials = parallel::map(middles.len(), pulse, |i, pulse| {
-            Trial::new(&course.at(middles[i])?, target, pulse)
-        })?;
+        let trials =
+            parallel::map(middles, pulse, |&speed, pulse| Trial::new(&course.at(speed)?, target, pulse))?;
         self.runs += trials.len();
         for trial in &trials {
             if self.best.is_none_or(|(_, worse)| trial.worse > worse) {

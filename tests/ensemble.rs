@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use runway_modal::aircraft::{Aircraft, Gear, Inertia};
 use runway_modal::ensemble::{Memory, Plan, Reader, Row, Simd, Source, simulate};
-use runway_modal::error::Error;
+use runway_modal::error::{Error, Result};
 use runway_modal::modes::Modes;
+use runway_modal::watch::Pulse;
 
 const STATIONS: usize = 150;
 
@@ -54,8 +55,9 @@ impl Source for Made {
 }
 
 impl Reader for MadeReader {
-    fn open(&mut self, first: usize, count: usize) {
+    fn open(&mut self, first: usize, count: usize, _: Pulse) -> Result<()> {
         (self.first, self.count) = (first, count);
+        Ok(())
     }
 
     fn read<S: Simd>(&mut self, _simd: S, track: usize, first: usize, out: &mut [Row]) {

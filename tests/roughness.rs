@@ -4,15 +4,21 @@ use std::f64::consts::TAU;
 
 use runway_modal::coherence::Coherency;
 use runway_modal::ensemble::RUNS;
-use runway_modal::error::Error;
+use runway_modal::error::{Error, Result};
 use runway_modal::roughness::{Generator, Stretch};
 use runway_modal::spectrum::{PowerLaw, Spectrum};
+use runway_modal::watch::Pulse;
 
 const STRETCH: Stretch = Stretch { length: 300.0, spacing: 0.5 };
 
 fn class_a(waviness: f64) -> Spectrum {
     let law = PowerLaw { coefficient: 16e-6, waviness, reference: 0.1, band: (0.01, 1.0) };
     Spectrum::power_law(law).unwrap()
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "a pulse")]
+fn go_on() -> Result<()> {
+    Ok(())
 }
 
 fn consecutive(first: u64) -> [u64; RUNS] {
@@ -87,10 +93,10 @@ fn factors() {
 /// A run is itself in any lane, beside any others.
 #[test]
 fn any_company() {
-    let generator = Generator::new(&class_a(2.0), STRETCH, &[0.0, 5.0], 1980).unwrap();
+    let generator = Generator::new(&class_a(2.0), STRETCH, &[0.0, 5.0], 1980, &mut go_on).unwrap();
     let (mut block, mut other) = (generator.block(), generator.block());
-    generator.fill(consecutive(731), &mut block);
-    generator.fill([5, 4, 3, u64::MAX, 734, 731, 731, 0], &mut other);
+    generator.fill(consecutive(731), &mut block, &mut go_on).unwrap();
+    generator.fill([5, 4, 3, u64::MAX, 734, 731, 731, 0], &mut other, &mut go_on).unwrap();
     for track in 0..2 {
         for (row, other) in block.track(track).iter().zip(other.track(track)) {
             assert_eq!([row[3], row[0], row[0]], other.0[4..7]);
@@ -102,9 +108,9 @@ fn any_company() {
 /// Bits that every machine must give.
 #[test]
 fn every_machine() {
-    let generator = Generator::new(&class_a(2.0), STRETCH, &[0.0, 5.0], 1980).unwrap();
+    let generator = Generator::new(&class_a(2.0), STRETCH, &[0.0, 5.0], 1980, &mut go_on).unwrap();
     let mut block = generator.block();
-    generator.fill(consecutive(731), &mut block);
+    generator.fill(consecutive(731), &mut block, &mut go_on).unwrap();
     let mut bits = 0_u64;
     for row in [0, 1].into_iter().flat_map(|track| &block.track(track)[..generator.stations()]) {
         for value in row.0 {
@@ -118,10 +124,11 @@ fn every_machine() {
 #[test]
 fn variance_of_a_station() {
     for (length, spacing) in [(20.0, 0.5), (50.0, 0.1), (111.0, 0.37)] {
-        let generator = Generator::new(&class_a(2.0), Stretch { length, spacing }, &[0.0], 3).unwrap();
+        let generator =
+            Generator::new(&class_a(2.0), Stretch { length, spacing }, &[0.0], 3, &mut go_on).unwrap();
         let (mut block, mut sum, runs) = (generator.block(), 0.0, 800);
         for first in (0..runs).step_by(RUNS) {
-            generator.fill(consecutive(first), &mut block);
+            generator.fill(consecutive(first), &mut block, &mut go_on).unwrap();
             sum += block.track(0)[7].0.iter().map(|z| z * z).sum::<f64>();
         }
         let share = sum / runs as f64 / class_a(2.0).variance(0.0, 9.0);
@@ -130,10 +137,29 @@ fn variance_of_a_station() {
     }
 }
 
+/// After any number of questions, at whatever it is just then: making the generator, drawing,
+/// summing, handing over. Between two questions lies little work: at most a pass over one track.
 #[test]
 fn stops_when_asked() {
-    let generator = Generator::new(&class_a(2.0), STRETCH, &[0.0], 1).unwrap();
-    let mut out = vec![0.0; generator.stations() * 3];
-    let stop = generator.elevations(0, &mut out, &mut || Err(Error::Interrupted));
-    assert_eq!(stop, Err(Error::Interrupted));
+    let stretch = Stretch { length: 50_000.0, spacing: 0.5 };
+    let mut out = vec![0.0; 100_001 * 3];
+    let mut elevations = |pulse: Pulse| {
+        let generator = Generator::new(&class_a(2.0), stretch, &[0.0, 5.0, -5.0], 1, pulse)?;
+        generator.elevations(0, &mut out, pulse)
+    };
+    let mut questions = 0;
+    elevations(&mut || {
+        questions += 1;
+        Ok(())
+    })
+    .unwrap();
+    for patience in 0..questions {
+        let mut asked = 0;
+        let outcome = elevations(&mut || {
+            asked += 1;
+            if asked > patience { Err(Error::Interrupted) } else { Ok(()) }
+        });
+        assert_eq!((outcome, asked), (Err(Error::Interrupted), patience + 1));
+    }
+    assert!(questions > 40, "{questions}");
 }

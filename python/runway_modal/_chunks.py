@@ -36,6 +36,7 @@ class Options(TypedDict):
     first_run: NotRequired[int]
     tracks: NotRequired[Literal["one", "isotropic"]]
     damping_input: NotRequired[bool]
+    on_error: NotRequired[Literal["raise", "mask"]]
 
 
 @dataclass(frozen=True)

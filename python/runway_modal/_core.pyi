@@ -30,7 +30,8 @@ def monte_carlo(
     speed: list[float],
     stations: NDArray[np.float64],
     damping_input: bool,
-) -> list[NDArray[np.float64]]: ...
+    mask: bool,
+) -> tuple[list[NDArray[np.float64]], list[tuple[int, str]]]: ...
 def series(strut: float, tire: float) -> float: ...
 def simulate_many(
     modes: list[Modes],

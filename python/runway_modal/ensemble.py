@@ -587,8 +587,9 @@ def simulate_many(
     damping_input : bool
         Whether the gears' dampers take part in the ground input and the loads, as in `simulate`.
     on_error : {"raise", "mask"}
-        What to do about runs whose elevations are not finite: raise for the first, or keep the
-        others and mark these by NaN and in `Ensemble.failures`.
+        What to do about runs with an elevation that is not finite, or a result that leaves the
+        range of double precision: raise for the first, or keep the others and mark these by NaN
+        and in `Ensemble.failures`. Speeds out of range are refused in either case.
     first_run : int
         Number of the first run.
 
@@ -602,7 +603,7 @@ def simulate_many(
     InputError
         If an argument is of the wrong kind, shape or range.
     NumericalError
-        If a result leaves the range of double precision.
+        If a result leaves the range of double precision, unless that run is to be masked.
 
     Examples
     --------
@@ -618,8 +619,7 @@ def simulate_many(
     _check_modes(each, one=isinstance(modes, Modes), runs=runs)
     if not isinstance(damping_input, bool | np.bool_):
         raise InputError(f"damping_input = {damping_input!r} is not True or False")
-    if on_error not in ("raise", "mask"):
-        raise InputError(f'on_error = {on_error!r} is neither "raise" nor "mask"')
+    mask = masks(on_error)
     speeds = any_array("speed", speed)
     if speeds.ndim == 0:
         speeds = np.array([number("speed", speed)])
@@ -636,7 +636,7 @@ def simulate_many(
         speeds.tolist(),
         [np.array(list(one.aircraft.stations.values())) for one in each],
         bool(damping_input),
-        on_error == "mask",
+        mask,
     )
     max_load, min_load, rms_load, max_acceleration, rms_acceleration = map(read_only, results)
     aircraft = each[0].aircraft
@@ -717,6 +717,13 @@ def describe(modes: Modes) -> dict[str, Any]:
 def _normal(confidence: float) -> float:
     """Half width, in standard deviations, of a normal distribution's middle."""
     return NormalDist().inv_cdf(0.5 + float(_shares("confidence", confidence)) / 2.0)
+
+
+def masks(on_error: str) -> bool:
+    """Whether runs that give no result are masked."""
+    if on_error not in ("raise", "mask"):
+        raise InputError(f'on_error = {on_error!r} is neither "raise" nor "mask"')
+    return on_error == "mask"
 
 
 def _shares(argument: str, values: ArrayLike) -> NDArray[np.float64]:

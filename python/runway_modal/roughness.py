@@ -9,7 +9,7 @@ import numpy as np
 from . import _core
 from ._core import InputError
 from ._input import array, finite, integer, number, read_only
-from .ensemble import Ensemble, describe
+from .ensemble import Ensemble, describe, masks
 from .modes import Modes
 from .profile import Profile
 from .units import convert_length, length_unit
@@ -413,6 +413,7 @@ def monte_carlo(
     first_run: int = 0,
     tracks: Literal["one", "isotropic"] = "one",
     damping_input: bool = False,
+    on_error: Literal["raise", "mask"] = "raise",
     progress: Callable[[int, int], object] | None = None,
 ) -> Ensemble:
     """
@@ -442,6 +443,10 @@ def monte_carlo(
         One track for all gears, or each gear's own on an isotropic surface.
     damping_input : bool
         As for `simulate`.
+    on_error : {"raise", "mask"}
+        What to do about runs with a result that leaves the range of double precision: raise for
+        the first, or keep the others and mark these by NaN and in `Ensemble.failures`. Speeds
+        out of range are refused in either case.
     progress : callable, optional
         Called with the numbers of runs finished and wanted, before the first and after every
         4096 runs; the result is the same.
@@ -456,7 +461,7 @@ def monte_carlo(
     InputError
         If an argument is of the wrong kind or out of range.
     NumericalError
-        If a result leaves the range of double precision.
+        If a result leaves the range of double precision, unless that run is to be masked.
 
     Notes
     -----
@@ -492,6 +497,7 @@ def monte_carlo(
                 "first_run": first_run,
                 "tracks": tracks,
                 "damping_input": damping_input,
+                "on_error": on_error,
             },
             progress,
         )
@@ -499,6 +505,7 @@ def monte_carlo(
         raise InputError(f"roughness = {roughness!r} is not a Roughness")
     if not isinstance(damping_input, bool | np.bool_):
         raise InputError(f"damping_input = {damping_input!r} is not True or False")
+    mask = masks(on_error)
     runs = integer("runs", runs, 1)
     # Ensembles number their runs in 63 bits.
     first_run = integer("first_run", first_run, 0, _NUMBERS // 2 - runs + 1)
@@ -510,8 +517,8 @@ def monte_carlo(
     speeds = array("speed", given.reshape(1) if given.ndim == 0 else given)
     stations = modes.aircraft.stations
     points = np.array(list(stations.values()))
-    results = _core.monte_carlo(
-        modes._core, generator, first_run, runs, speeds.tolist(), points, bool(damping_input)
+    results, failed = _core.monte_carlo(
+        modes._core, generator, first_run, runs, speeds.tolist(), points, bool(damping_input), mask
     )
     max_load, min_load, rms_load, max_acc, rms_acc = (read_only(result) for result in results)
     return Ensemble(
@@ -533,7 +540,7 @@ def monte_carlo(
         rms_load=rms_load,
         max_acceleration={name: max_acc[:, i] for i, name in enumerate(stations)},
         rms_acceleration={name: rms_acc[:, i] for i, name in enumerate(stations)},
-        failures={},
+        failures={first_run + run: reason for run, reason in failed},
     )
 
 

@@ -192,6 +192,25 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// Whether all results of the run read last are finite; its row becomes NaN if not.
+    fn last_is_finite(&mut self, gears: usize, points: usize) -> bool {
+        let all = [
+            (&mut self.max_load, gears),
+            (&mut self.min_load, gears),
+            (&mut self.rms_load, gears),
+            (&mut self.max_acceleration, points),
+            (&mut self.rms_acceleration, points),
+        ];
+        let rows = all.map(|(values, columns)| values.rchunks_mut(columns.max(1)).next().unwrap_or_default());
+        let finite = rows.iter().all(|row| row.iter().all(|value| value.is_finite()));
+        if !finite {
+            for row in rows {
+                row.fill(f64::NAN);
+            }
+        }
+        finite
+    }
+
     fn append(&mut self, mut other: Self) {
         self.max_load.append(&mut other.max_load);
         self.min_load.append(&mut other.min_load);
@@ -361,10 +380,10 @@ fn march_over(
     }
     march.block(reader, plan.stations, periods, 1, true);
     for (lane, run) in runs.enumerate() {
-        if !march.is_finite(lane) {
+        march.read(lane, found);
+        if !found.last_is_finite(plan.gears(), plan.points[0].len()) {
             found.failed.push(run);
         }
-        march.read(lane, found);
     }
     Ok(())
 }

@@ -7,7 +7,9 @@
 use std::f64::consts::TAU;
 
 use crate::ensemble::Row;
-use crate::watch::Watch;
+use crate::error::Result;
+use crate::parallel;
+use crate::watch::{Pulse, Watch};
 
 /// Real and imaginary parts of one term, or two neighbouring stations.
 pub(crate) type Pair = [Row; 2];
@@ -37,7 +39,9 @@ impl Transform {
         size
     }
 
-    pub fn new(size: usize) -> Self {
+    /// # Errors
+    /// What `pulse` gives.
+    pub fn new(size: usize, pulse: Pulse) -> Result<Self> {
         let mut radices = vec![];
         let mut left = size;
         while left > 1 {
@@ -51,7 +55,7 @@ impl Transform {
             let (sin, cos) = libm::sincos(TAU * (k as f64 / (2 * size) as f64));
             [cos, sin]
         };
-        Self { radices, size, turns: (0..size).map(turn).collect() }
+        Ok(Self { radices, size, turns: parallel::list(0..size, pulse, turn)? })
     }
 
     /// Terms.
@@ -234,7 +238,7 @@ mod tests {
     #[test]
     fn sums() {
         for size in [1, 2, 3, 4, 5, 6, 8, 9, 16, 20, 25, 30, 48, 60, 120, 128, 150, 240] {
-            let transform = Transform::new(size);
+            let transform = Transform::new(size, &mut || Ok(())).unwrap();
             let term = |k: usize, lane: usize| {
                 let value = |shift: usize| ((31 * k + 7 * lane + shift) % 17) as f64 - 8.0;
                 [value(0), value(5)]

@@ -1,5 +1,6 @@
 //! Independent pieces of work on all threads, under one watch.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,6 +14,9 @@ use crate::watch::Pulse;
 
 /// Between two questions to the caller.
 const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Entries of a list that one thread makes at a time: milliseconds.
+const PORTION: usize = 1 << 10;
 
 /// This process's threads. Not rayon's global ones: a forked process (Python's multiprocessing)
 /// inherits their names but not the threads, and would wait for them for ever.
@@ -70,6 +74,24 @@ pub(crate) fn map<I: Send, T: Send>(
             }
         }
     })
+}
+
+/// A list of `entry` for all numbers of a range; each must take no more than microseconds.
+///
+/// # Errors
+/// What `pulse` gives.
+pub(crate) fn list<T: Clone + Send>(
+    range: Range<usize>,
+    pulse: Pulse,
+    entry: impl Fn(usize) -> T + Sync,
+) -> Result<Vec<T>> {
+    let end = range.end;
+    let portions = range.step_by(PORTION).map(|first| first..(first + PORTION).min(end));
+    let parts = map(portions, pulse, |portion, pulse| {
+        pulse()?;
+        Ok(portion.map(&entry).collect::<Vec<T>>())
+    })?;
+    Ok(parts.concat())
 }
 
 /// Tools that serve one piece of work after another: no more are made than there are threads.

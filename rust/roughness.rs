@@ -16,12 +16,13 @@
 //! spectrum where it is steepest.
 
 use multiversion::multiversion;
+use rayon::prelude::*;
 
 use crate::coherence::Coherency;
 use crate::ensemble::{RUNS, Reader, Row, Simd, Source};
 use crate::error::{Error, Result, finite, positive};
 use crate::fourier::{NONE, Pair, Transform, times};
-use crate::parallel::{self, Tools};
+use crate::parallel::{self, Tools, threads};
 use crate::random::{Deviates, LINES, Streams};
 use crate::spectrum::Spectrum;
 use crate::watch::{Pulse, Watch};
@@ -127,26 +128,26 @@ impl Generator {
         let step = 1.0 / (2.0 * size as f64 * spacing);
         let (first, last) = (((longest / step + 0.5) as usize).max(1), size - 1);
         let end = ((shortest / step + 0.5) as usize).min(last) + 1;
-        let transform = Transform::new(size);
+        let transform = Transform::new(size, pulse)?;
         let line = |k: usize| Line {
             number: k as u32,
             places: [k, size - k].map(|k| transform.place(k)),
             turn: transform.turn(k),
         };
-        let mut lines: Vec<Line> = (first..end).map(line).collect();
-        lines.sort_unstable_by_key(|line| line.places[0]);
-        let triangle = |line: &Line| {
-            let k = f64::from(line.number);
-            let upper = if line.number as usize == last { shortest } else { (k + 0.5) * step };
+        let mut lines = parallel::list(first..end, pulse, line)?;
+        threads().install(|| lines.par_sort_unstable_by_key(|line| line.places[0]));
+        let triangle = |i: usize| {
+            let k = f64::from(lines[i].number);
+            let upper = if lines[i].number as usize == last { shortest } else { (k + 0.5) * step };
             let half_deviation = 0.5 * spectrum.variance((k - 0.5) * step, upper).sqrt();
             let mut triangle = Vec::with_capacity(distinct.len() * (distinct.len() + 1) / 2);
             coherency.factor(k * step, &distinct, &mut triangle);
-            triangle.into_iter().map(move |entry| half_deviation * entry)
+            for entry in &mut triangle {
+                *entry *= half_deviation;
+            }
+            triangle
         };
-        let triangles = parallel::map(lines.chunks(PORTION), pulse, |lines, pulse| {
-            pulse()?;
-            Ok(lines.iter().flat_map(triangle).collect::<Vec<f64>>())
-        })?;
+        let triangles = parallel::list(0..lines.len(), pulse, triangle)?.concat();
         Ok(Self {
             seed,
             spacing,
@@ -154,7 +155,7 @@ impl Generator {
             tracks: distinct.len(),
             track_of,
             lines,
-            triangles: triangles.concat(),
+            triangles,
             transform,
         })
     }
@@ -177,14 +178,10 @@ impl Generator {
         &self.track_of
     }
 
-    /// Room for one block.
+    /// Room for one block; of memory when it is filled.
     #[must_use]
     pub fn block(&self) -> Block {
-        let rows = self.transform.size();
-        Block {
-            tracks: vec![vec![NONE; rows]; self.tracks],
-            noise: vec![[[Row::ZERO; LINES]; 2]; self.tracks],
-        }
+        Block { tracks: vec![Vec::new(); self.tracks], noise: vec![[[Row::ZERO; LINES]; 2]; self.tracks] }
     }
 
     /// Makes the profiles of eight runs.
@@ -285,9 +282,6 @@ impl Reader for RunsReader<'_> {
 /// Stations turned from side by side to one after another at a time: they stay in the cache.
 const TILE: usize = 64;
 
-/// Lines that a thread makes ready at a time: milliseconds.
-const PORTION: usize = 1 << 10;
-
 fn distinct(y: &[f64]) -> Result<(Vec<f64>, Vec<usize>)> {
     if y.is_empty() {
         return Err(Error::TooShort { argument: "y", found: 0, least: 1 });
@@ -314,7 +308,11 @@ fn synthesize(generator: &Generator, streams: &Streams, block: &mut Block, watch
 #[inline(always)]
 fn synthesize_here(generator: &Generator, streams: &Streams, block: &mut Block, watch: &mut Watch) {
     for track in &mut block.tracks {
-        track.fill(NONE);
+        track.clear();
+        track.resize(generator.transform.size(), NONE);
+        if !watch.go_on(track.len() as u32) {
+            return;
+        }
     }
     let mut triangles = generator.triangles.chunks_exact(generator.tracks * (generator.tracks + 1) / 2);
     for lines in generator.lines.chunks(LINES) {

@@ -137,29 +137,26 @@ fn variance_of_a_station() {
     }
 }
 
-/// After any number of questions, at whatever it is just then: making the generator, drawing,
-/// summing, handing over. Between two questions lies little work: at most a pass over one track.
+/// At whatever question, in the middle of drawing or summing.
 #[test]
 fn stops_when_asked() {
-    let stretch = Stretch { length: 50_000.0, spacing: 0.5 };
-    let mut out = vec![0.0; 100_001 * 3];
-    let mut elevations = |pulse: Pulse| {
-        let generator = Generator::new(&class_a(2.0), stretch, &[0.0, 5.0, -5.0], 1, pulse)?;
-        generator.elevations(0, &mut out, pulse)
-    };
-    let mut questions = 0;
-    elevations(&mut || {
-        questions += 1;
-        Ok(())
-    })
-    .unwrap();
-    for patience in 0..questions {
+    let stretch = Stretch { length: 20_000.0, spacing: 0.5 };
+    let generator = Generator::new(&class_a(2.0), stretch, &[0.0, 5.0, -5.0], 1, &mut go_on).unwrap();
+    let mut block = generator.block();
+    let mut fill = |patience: usize| {
         let mut asked = 0;
-        let outcome = elevations(&mut || {
+        let outcome = generator.fill(consecutive(0), &mut block, &mut || {
             asked += 1;
             if asked > patience { Err(Error::Interrupted) } else { Ok(()) }
         });
-        assert_eq!((outcome, asked), (Err(Error::Interrupted), patience + 1));
+        (outcome, asked)
+    };
+    let (outcome, questions) = fill(usize::MAX);
+    assert!(outcome.is_ok() && questions >= 5, "{questions}");
+    for patience in 0..questions {
+        assert_eq!(fill(patience), (Err(Error::Interrupted), patience + 1));
     }
-    assert!(questions > 40, "{questions}");
+    let stop: Pulse = &mut || Err(Error::Interrupted);
+    let mut out = vec![0.0; generator.stations() * 3];
+    assert_eq!(generator.elevations(0, &mut out, stop), Err(Error::Interrupted));
 }

@@ -50,3 +50,22 @@ def test_a_killed_worker_changes_no_bit():
     alone = rm.monte_carlo(modes, surface, **RUNWAY)
     for key in ("run", "max_load", "min_load", "rms_load"):
         np.testing.assert_array_equal(getattr(shared, key), getattr(alone, key))
+
+
+def test_masked_runs_come_home_with_their_reasons():
+    """Squares of these forces are at the end of double precision."""
+    huge = {
+        "modes": rm.single_dof(mass=1e99, omega=9500.0, damping_ratio=0.01),
+        "roughness": rm.Roughness(coefficient=1e95, reference=0.05, band=(0.01, 0.05)),
+        "length": 240.0,
+        "spacing": 5.0,
+        "speed": 475_000.0,
+        "seed": 1,
+        "runs": 20,
+    }
+    with dask.Client(processes=False, dashboard_address=None) as client:
+        with pytest.raises(rm.NumericalError, match="run"):
+            distributed.monte_carlo(client, **huge, chunk=8)
+        shared = distributed.monte_carlo(client, **huge, chunk=8, on_error="mask")
+    assert shared.failures == rm.monte_carlo(**huge, on_error="mask").failures
+    assert 0 < len(shared.failures) < 20

@@ -4,8 +4,11 @@ import dataclasses
 import os
 import pickle
 import re
+import signal
 import subprocess
 import sys
+import threading
+import time
 
 import numpy as np
 import pytest
@@ -295,6 +298,78 @@ def test_a_speed_a_run() -> None:
     for run in (0, 4, 10):
         alone = rm.monte_carlo(modes, surface, **grid, speed=speeds[run], runs=1, first_run=run)
         assert np.array_equal(alone.rms_load[0], ensemble.rms_load[run])
+
+
+# An aircraft of 1e99 on waves of 1e46: forces whose squares are at the end of double precision.
+HUGE = {
+    "modes": rm.single_dof(mass=1e99, omega=9500.0, damping_ratio=0.01),
+    "roughness": rm.Roughness(coefficient=1e95, reference=0.05, band=(0.01, 0.05)),
+    "length": 240.0,
+    "spacing": 5.0,
+    "speed": 475_000.0,
+    "seed": 1,
+}
+
+
+def test_runs_that_overflow_are_named_or_masked() -> None:
+    with pytest.raises(rm.NumericalError, match=r"^run\[701\]: a result left the range"):
+        rm.monte_carlo(**HUGE, runs=20, first_run=700, on_error="raise")
+    masked = rm.monte_carlo(**HUGE, runs=20, first_run=700, on_error="mask")
+    assert 0 < len(masked.failures) < 20
+    assert list(masked.failures) == masked.run[~masked.valid].tolist()
+    assert masked.failures[701] == "run[701]: a result left the range of double precision"
+    assert np.isnan(masked.max_acceleration["cg"]).tolist() == (~masked.valid).tolist()
+    assert np.isfinite(masked.rms_load[masked.valid]).all()
+    # The surface's size is known: nothing but the range of numbers sets the masked runs apart.
+    small = rm.Roughness(coefficient=1e-5, reference=0.05, band=(0.01, 0.05))
+    same = rm.monte_carlo(**(HUGE | {"roughness": small}), runs=20, first_run=700)
+    dynamic = same.rms_load * 1e50
+    assert masked.rms_load[masked.valid] == pytest.approx(dynamic[masked.valid], rel=1e-12)
+    assert dynamic[~masked.valid].min() > dynamic[masked.valid].max()
+    with pytest.raises(rm.InputError, match="on_error = 'ignore' is neither"):
+        rm.monte_carlo(**HUGE, runs=1, on_error="ignore")
+
+
+@pytest.mark.parametrize("on_error", ["raise", "mask"])
+@pytest.mark.parametrize("speed", [-1.0, np.nan, 1e120, 1e-12])
+def test_a_bad_speed_is_refused_by_its_run(speed: float, on_error: str) -> None:
+    surface = rm.Roughness.iso8608("C", unit="in")
+    grid = {"length": 3000.0, "spacing": 7.0, "seed": 11}
+    speeds = np.full(20, 500.0)
+    speeds[13] = speed
+    with pytest.raises(rm.InputError, match=r"^speed\[13\] = "):
+        rm.monte_carlo(
+            rm.f4e().modes(0.03), surface, **grid, speed=speeds, runs=20, on_error=on_error
+        )
+
+
+def million(call: str) -> None:
+    """Five seconds or more on two processors: three tracks of a million stations."""
+    surface = rm.Roughness.iso8608("A", unit="in")
+    runway = {"length": 12e6, "spacing": 12.0, "seed": 1}
+    if call == "monte_carlo":
+        modes = rm.f4e().modes(0.01)
+        rm.monte_carlo(
+            modes, surface, **runway, runs=10_000, speed=rm.knots(60), tracks="isotropic"
+        )
+    else:
+        surface.elevations(**runway, runs=64, y=[0.0, 109.25, -109.25])
+
+
+# While waves are made ready, drawn, summed; later, among runs.
+@pytest.mark.parametrize("moment", [0.03, 0.1, 0.3, 0.8, 2.0])
+@pytest.mark.parametrize("call", ["monte_carlo", "elevations"])
+def test_ctrl_c_within_a_second(call: str, moment: float) -> None:
+    sent = []
+
+    def interrupt() -> None:
+        sent.append(time.perf_counter())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Timer(moment, interrupt).start()
+    with pytest.raises(KeyboardInterrupt):
+        million(call)
+    assert time.perf_counter() - sent[0] < 1.0
 
 
 # Profiles: which run is which

@@ -134,3 +134,30 @@ def test_bad_arguments_leave_no_files(tmp_path, modes, surface, options, named):
     with pytest.raises(rm.InputError, match=named):
         stored.monte_carlo(tmp_path / "new", modes, surface, **(RUNWAY | options))
     assert not (tmp_path / "new").exists()
+
+
+def test_masked_runs_keep_their_reasons(tmp_path):
+    """Squares of these forces are at the end of double precision."""
+    huge = {
+        "modes": rm.single_dof(mass=1e99, omega=9500.0, damping_ratio=0.01),
+        "roughness": rm.Roughness(coefficient=1e95, reference=0.05, band=(0.01, 0.05)),
+        "length": 240.0,
+        "spacing": 5.0,
+        "speed": 475_000.0,
+        "seed": 1,
+        "runs": 20,
+    }
+    with pytest.raises(rm.NumericalError, match="run"):
+        stored.monte_carlo(tmp_path, **huge, chunk=8)
+    # What has raised may go on otherwise: finished runs are none the less the same.
+    stored.monte_carlo(tmp_path, **huge, chunk=8, on_error="mask")
+    found, whole = stored.read(tmp_path), rm.monte_carlo(**huge, on_error="mask")
+    assert_same_bits(found, whole)
+    assert 0 < len(found.failures) < 20
+    assert found.failures == whole.failures
+
+
+def test_bad_on_error_leaves_no_files(tmp_path, modes, surface):
+    with pytest.raises(rm.InputError, match="on_error = 'ignore'"):
+        stored.monte_carlo(tmp_path / "new", modes, surface, **RUNWAY, runs=3, on_error="ignore")
+    assert not (tmp_path / "new").exists()

@@ -10,6 +10,7 @@ import numpy as np
 
 from ._core import InputError
 from ._input import integer
+from .ensemble import masks
 from .roughness import Roughness, lateral_positions, monte_carlo
 
 if TYPE_CHECKING:
@@ -62,6 +63,7 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> l
     if not isinstance(roughness, Roughness):
         raise InputError(f"roughness = {roughness!r} is not a Roughness")
     lateral_positions(modes, options.get("tracks", "one"))
+    masks(options.get("on_error", "raise"))
     runs = integer("runs", options["runs"], 1)
     first_run = integer("first_run", options.get("first_run", 0), 0)
     size = integer("chunk", size, 1)

@@ -188,7 +188,10 @@ def _holds(file: Path, runs: int) -> bool:
 
 
 def _write(file: Path, part: Chunk) -> None:
-    frame = part.compute().to_pandas()
+    found = part.compute()
+    frame = found.to_pandas()
+    # Of text even where no run has failed: a column has one type in all files.
+    frame["failure"] = _pandas().Series(found.failures, index=frame.index, dtype="string")
     _replace(file, lambda path: frame.to_parquet(path))
 
 
@@ -210,7 +213,7 @@ def _read(file: Path, common: dict[str, Any]) -> Ensemble:
     return Ensemble(
         gear_names=tuple(gears["max_load"]),
         setup=common,
-        failures={},
+        failures=frame["failure"].dropna().to_dict(),
         static_load=np.broadcast_to(common["static load"], values["max_load"].shape),
         **values,
     )

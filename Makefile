@@ -29,7 +29,7 @@ MAKEFLAGS += --no-builtin-rules
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
 .PHONY: help demo test fmt lint lint-rust lint-python test-rust test-python bench bench-smoke \
-	accuracy slow clean toolchain
+	same-bits accuracy slow clean toolchain
 
 help: ## this list
 	@awk -F '## ' '/^[a-z-]+:.*## / { split($$1, target, ":"); printf "  make %-13s %s\n", target[1], $$2 }' Makefile
@@ -69,6 +69,18 @@ test-rust: toolchain ## the core's tests, without Python
 test-python: $(DEV) ## examples in docstrings, then the tests
 	$(BIN)/pytest --quiet --doctest-modules python/runway_modal
 	$(BIN)/pytest
+
+# Tests named so hold the code that chooses its vectors when it runs against plain code, and both
+# against bits written down. Then all of the core is built for machines that have wider vectors.
+same-bits: toolchain ## the same bits from SSE2, AVX2 and AVX-512, in optimised builds; minutes
+	cargo test --quiet --locked --release --lib --test roughness same_bits
+	@for level in v3:avx2 v4:avx512f; do \
+		if grep -qw "$${level#*:}" /proc/cpuinfo; then \
+			echo "built for x86-64-$${level%:*}:"; \
+			RUSTFLAGS="-C target-cpu=x86-64-$${level%:*}" CARGO_TARGET_DIR=target/x86-64-$${level%:*} \
+				cargo test --quiet --locked --release --lib --test roughness same_bits; \
+		else echo "this machine has no $${level#*:}: not run"; fi; \
+	done
 
 bench: $(DEV) ## speed and memory, measured against peers; minutes
 	cargo bench --locked

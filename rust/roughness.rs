@@ -350,18 +350,33 @@ mod tests {
     use super::*;
     use crate::spectrum::PowerLaw;
 
-    /// Vectors of whatever width this machine has give the bits of the plain build's.
+    /// As `synthesize` on a machine that has AVX2 and no more.
+    #[multiversion(targets("x86_64+avx2"))]
+    fn synthesize_avx2(generator: &Generator, streams: &Streams, block: &mut Block, watch: &mut Watch) {
+        synthesize_here(generator, streams, block, watch);
+    }
+
+    /// The widest vectors of this machine, AVX2 and plain SSE2: `make same-bits` runs this on
+    /// optimised code, where they are used.
     #[test]
-    fn any_width_of_vectors() {
+    fn same_bits_at_any_width() {
         let law = PowerLaw { coefficient: 16e-6, waviness: 2.0, reference: 0.1, band: (0.01, 1.0) };
-        let stretch = Stretch { length: 500.0, spacing: 0.5 };
         let spectrum = Spectrum::power_law(law).unwrap();
-        let on: Pulse = &mut || Ok(());
-        let generator = Generator::new(&spectrum, stretch, &[0.0, 5.0, -5.0], 7, on).unwrap();
-        let runs = std::array::from_fn(|lane| 100 * lane as u64);
-        let (mut wide, mut plain) = (generator.block(), generator.block());
-        generator.fill(runs, &mut wide, on).unwrap();
-        synthesize_here(&generator, &Streams::new(7, runs), &mut plain, &mut Watch::new(on));
-        assert_eq!(wide.tracks, plain.tracks);
+        let go_on: Pulse = &mut || Ok(());
+        // Transforms of 512, 384, 640 and 432 terms: every radix.
+        for (length, size) in [(300.0, 512), (180.0, 384), (420.0, 640), (230.0, 432)] {
+            let stretch = Stretch { length, spacing: 0.5 };
+            let generator = Generator::new(&spectrum, stretch, &[0.0, 5.0, -5.0], 7, go_on).unwrap();
+            assert_eq!(generator.transform.size(), size);
+            let streams = Streams::new(7, std::array::from_fn(|lane| 100 * lane as u64));
+            let made = [synthesize, synthesize_avx2, synthesize_here].map(|synthesize| {
+                let mut block = generator.block();
+                synthesize(&generator, &streams, &mut block, &mut Watch::new(go_on));
+                block.tracks
+            });
+            assert!(made[0][1][7][0].0.iter().all(|&z| z != 0.0));
+            assert_eq!(made[0], made[2]);
+            assert_eq!(made[1], made[2]);
+        }
     }
 }

@@ -105,9 +105,9 @@ fn any_company() {
     }
 }
 
-/// Bits that every machine must give.
+/// Bits that every machine must give, and every build.
 #[test]
-fn every_machine() {
+fn same_bits_on_every_machine() {
     let generator = Generator::new(&class_a(2.0), STRETCH, &[0.0, 5.0], 1980, &mut go_on).unwrap();
     let mut block = generator.block();
     generator.fill(consecutive(731), &mut block, &mut go_on).unwrap();

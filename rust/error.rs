@@ -109,9 +109,6 @@ pub enum Error {
          between {value:?}, found at speed {speed:?}, and {bound:?}"
     )]
     Unresolved { tolerance: f64, runs: usize, value: f64, speed: f64, bound: f64 },
-    /// The bound on speeds not tried knows no dampers' input.
-    #[error("damping_input is on: the worst speed is bounded without the dampers' input only")]
-    DampedInput,
     /// A run of many whose arithmetic left the range.
     #[error("{place}: a result left the range of double precision")]
     RunOverflow { place: Place },

@@ -159,15 +159,19 @@ CASES = [
 ]
 
 
+@pytest.mark.parametrize("damping_input", [False, True])
 @pytest.mark.parametrize("profile", PROFILES)
 @pytest.mark.parametrize(("quantity", "at"), CASES)
-def test_worst_speed_against_a_dense_sweep(profile: str, quantity: str, at: str) -> None:
+def test_worst_speed_against_a_dense_sweep(
+    profile: str, quantity: str, at: str, damping_input: bool
+) -> None:
     modes, tracks, limits = craft().modes(0.01), PROFILES[profile], (5 * KNOT, 100 * KNOT)
     tolerance = 1.0 if quantity == "max_acceleration" else 30.0
-    worst = rm.worst_speed(modes, tracks, limits, quantity, at=at, tolerance=tolerance)
+    damped = {"damping_input": damping_input}
+    worst = rm.worst_speed(modes, tracks, limits, quantity, at=at, tolerance=tolerance, **damped)
     # Denser at low speed, where extremes change fastest.
-    sweep = rm.sweep(modes, tracks, np.geomspace(*limits, 8_001))
-    alone = rm.sweep(modes, tracks, [worst.speed])
+    sweep = rm.sweep(modes, tracks, np.geomspace(*limits, 8_001), **damped)
+    alone = rm.sweep(modes, tracks, [worst.speed], **damped)
     sign = -1.0 if quantity == "min_load" else 1.0
     if quantity == "max_acceleration":
         dense, value = sweep.max_acceleration[at], alone.max_acceleration[at][0]
@@ -188,8 +192,11 @@ def test_worst_speed_against_a_dense_sweep(profile: str, quantity: str, at: str)
     zeta=st.sampled_from([0.0, 0.003, 0.05, 0.5, 1.0, 1.7]),
     low=st.floats(3.0, 60.0),
     width=st.floats(0.0, 40.0),
+    damping_input=st.booleans(),
 )
-def test_no_speed_exceeds_the_bound(seed: int, zeta: float, low: float, width: float) -> None:
+def test_no_speed_exceeds_the_bound(
+    seed: int, zeta: float, low: float, width: float, damping_input: bool
+) -> None:
     random = np.random.default_rng(seed)
     run = random.exponential(60.0, 12)
     run[random.random(12) < 0.2] = 0.0
@@ -198,8 +205,9 @@ def test_no_speed_exceeds_the_bound(seed: int, zeta: float, low: float, width: f
     speeds = np.sort(random.uniform(*limits, 2000))
     for quantity, gear, sign in (("max_load", 1, 1.0), ("min_load", 0, -1.0)):
         at = modes.aircraft.gear_names[gear]
-        worst = rm.worst_speed(modes, profile, limits, quantity, at=at, tolerance=200.0)
-        dense = sign * getattr(rm.sweep(modes, profile, speeds), quantity)[:, gear]
+        damped = {"damping_input": damping_input}
+        worst = rm.worst_speed(modes, profile, limits, quantity, at=at, tolerance=200.0, **damped)
+        dense = sign * getattr(rm.sweep(modes, profile, speeds, **damped), quantity)[:, gear]
         assert dense.max() <= sign * worst.bound + 1e-6
         assert sign * (worst.bound - worst.value) <= 200.0
 
@@ -258,6 +266,8 @@ def test_other_bad_input() -> None:
         rm.sweep(modes, {"tail": mat}, [1.0])
     with pytest.raises(rm.InputError, match="damping_input = 1 "):
         rm.sweep(modes, mat, [1.0], damping_input=1)  # type: ignore[arg-type]
+    with pytest.raises(rm.InputError, match="damping_input = 1 "):
+        rm.worst_speed(modes, mat, (1.0, 2.0), at="nose", tolerance=1.0, damping_input=1)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

@@ -318,6 +318,7 @@ def worst_speed(
     at: str,
     tolerance: float,
     max_runs: int = 100_000,
+    damping_input: bool = False,
 ) -> WorstSpeed:
     """
     Find the worst speed of a range; every other is proven no worse, within a tolerance.
@@ -344,6 +345,8 @@ def worst_speed(
         How much worse than the value found a speed not tried may be, > 0 [unit of the quantity].
     max_runs : int
         No more runs than this, at least 100.
+    damping_input : bool
+        As for `simulate`.
 
     Returns
     -------
@@ -368,8 +371,13 @@ def worst_speed(
     Why: with p₀ the response of a mode (Eq. 12) at speed V₀ and p that at V = ρV₀, the difference
     w = p - p₀ at one station obeys ẅ + 2ζωẇ + ω²w = -(ρ² - 1) p̈₀ - 2ζω(ρ - 1) ṗ₀. The runway has
     gone from it: the largest |p̈₀| and |ṗ₀| of one run and the integral of the impulse response
-    bound w while the gears are on the profile, and a free motion does not grow afterwards. The
-    report's form of the ground input is taken (Eqs. 17-18), without the gears' dampers.
+    bound w while the gears are on the profile, and a free motion does not grow afterwards.
+
+    With the dampers' input g = φᵀC₁(u - u at the start), p̈₀ stands for its part without ġ₀, and
+    -(ρ - 1) ġ joins the right side, whose effect the largest |g| and the impulse response's
+    derivatives bound; a load changes by (ρ - 1) c u̇₀ besides. So steep ramps and elevations far
+    from the first one cost runs. At vertical steps values are those before and after, as in
+    `simulate`.
 
     The number of runs grows with the length of the profile in periods up to about 1/(2ζ) of them,
     and as 1/√tolerance when that is small.
@@ -385,7 +393,7 @@ def worst_speed(
     >>> round(worst.speed / rm.knots(1), 1)
     57.9
     """
-    course = _course(modes, tracks, False)
+    course = _course(modes, tracks, damping_input)
     low, high = _limits(speeds)
     aircraft = modes.aircraft
     quantities = ("max_load", "min_load", "max_acceleration")

@@ -332,12 +332,18 @@ mod tests {
 
     #[test]
     fn a_run_bounds_all_speeds_near_its_own() {
-        let x = vec![0.0, 12.0, 300.0, 300.0, 700.0, 918.0, 930.0];
-        let profile = Profile::new(x, vec![0.0, 1.5, 1.5, 0.5, -1.0, 1.5, 0.0]).unwrap();
+        let heights = vec![0.0, 1.5, 1.5, 0.5, -1.0, 1.5, 0.0];
+        let ramps = |length| {
+            let x = vec![0.0, length, 300.0, 300.0, 700.0, 918.0, 918.0 + length];
+            Profile::new(x, heights.clone()).unwrap()
+        };
+        // Some so steep that loads are made of the dampers' input, at the highest speed.
+        let profiles = [(ramps(12.0), false), (ramps(12.0), true), (ramps(0.5), true)];
         let targets = [Target::MaxLoad(0), Target::MinLoad(1), Target::MaxAcceleration(200.0, 10.0)];
         let zetas = [0.0, 0.01, 0.3, 0.99, 1.0, 2.0];
-        for (zeta, damped) in zetas.into_iter().flat_map(|zeta| [(zeta, false), (zeta, true)]) {
-            let course = course(zeta, profile.clone(), damped);
+        let cases = zetas.into_iter().flat_map(|zeta| profiles.iter().map(move |profile| (zeta, profile)));
+        for (zeta, (profile, damped)) in cases {
+            let course = course(zeta, profile.clone(), *damped);
             for target in targets {
                 let reach = Reach::new(target, &course);
                 let trial = |speed| Trial::new(&course.at(speed).unwrap(), target, &mut || Ok(())).unwrap();

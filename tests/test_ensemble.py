@@ -191,6 +191,19 @@ def test_bad_elevations_are_named_and_masked(bad, station):
     np.testing.assert_array_equal(elevations, before)
 
 
+def test_runs_that_overflow_are_named_and_masked():
+    """Forces whose squares are at the end of double precision."""
+    modes = rm.single_dof(mass=1e99, omega=9500.0, damping_ratio=0.01)
+    elevations = 1e47 * runways(20, 1)
+    with pytest.raises(rm.NumericalError, match=r"^elevations\[\d+\]: a result left the range"):
+        rm.simulate_many(modes, elevations, 10.0, 475_000.0)
+    masked = rm.simulate_many(modes, elevations, 10.0, 475_000.0, on_error="mask", first_run=100)
+    assert 0 < len(masked.failures) < 20
+    assert list(masked.failures) == masked.run[~masked.valid].tolist()
+    assert np.isnan(bits(masked)[~masked.valid]).all()
+    assert np.isfinite(bits(masked)[masked.valid]).all()
+
+
 def test_one_bad_station_is_found():
     elevations = runways(3, 3, 1)
     elevations[1, 2, 0] = np.nan
@@ -217,6 +230,7 @@ def test_lag_beyond_the_runway():
         ({"spacing": 0.0}, "spacing = 0.0 is not positive"),
         ({"spacing": np.nan}, "spacing = NaN"),
         ({"speed": [1.0, -2.0]}, r"speed\[1\] = -2.0 is not positive"),
+        ({"speed": [1.0, 1e-12], "on_error": "mask"}, r"speed\[1\] = 1e-12 is out of range"),
         ({"speed": [1.0, 2.0, 3.0]}, "speed has 3 entries, 2 expected"),
         ({"modes": [MODES]}, "modes has 1 entries, 2 expected"),
         ({"modes": [MODES, 3]}, r"modes\[1\] = 3 is not a Modes"),

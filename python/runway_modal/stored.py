@@ -188,10 +188,12 @@ def _holds(file: Path, runs: int) -> bool:
 
 
 def _write(file: Path, part: Chunk) -> None:
+    import pandas as pd
+
     found = part.compute()
     frame = found.to_pandas()
     # Of text even where no run has failed: a column has one type in all files.
-    frame["failure"] = _pandas().Series(found.failures, index=frame.index, dtype="string")
+    frame["failure"] = pd.Series(found.failures, index=frame.index, dtype="string")
     _replace(file, lambda path: frame.to_parquet(path))
 
 
@@ -210,10 +212,11 @@ def _read(file: Path, common: dict[str, Any]) -> Ensemble:
     columns |= {"run": frame.index.to_numpy(), "speed": frame["speed"].to_numpy()}
     values: dict[str, Any] = {key: read_only(column) for key, column in columns.items()}
     values |= {key: named(key) for key in ("max_acceleration", "rms_acceleration")}
+    failures: dict[Any, str] = frame["failure"].dropna().to_dict()
     return Ensemble(
         gear_names=tuple(gears["max_load"]),
         setup=common,
-        failures=frame["failure"].dropna().to_dict(),
+        failures=failures,
         static_load=np.broadcast_to(common["static load"], values["max_load"].shape),
         **values,
     )

@@ -300,12 +300,24 @@ impl Plan {
 /// # Errors
 /// A plan that cannot be run, or what `pulse` gives.
 pub fn simulate(plan: &Plan, runs: usize, source: &impl Source, pulse: Pulse) -> Result<Statistics> {
+    simulate_on(Arch::new(), plan, runs, source, pulse)
+}
+
+/// With the instructions of `arch`.
+fn simulate_on(
+    arch: Arch,
+    plan: &Plan,
+    runs: usize,
+    source: &impl Source,
+    pulse: Pulse,
+) -> Result<Statistics> {
     plan.check(runs)?;
     let shared = if plan.is_single() { Some(Lot::new(vec![plan.setup(0)?])) } else { None };
     let blocks = (0..runs).step_by(RUNS).map(|first| first..(first + RUNS).min(runs));
     let workers = Tools::new();
     let parts = parallel::map(blocks, pulse, |block, pulse| {
-        let worker = || Worker { plan, reader: source.reader(), march: shared.as_ref().map(Lot::march) };
+        let march = || shared.as_ref().map(|lot| lot.march(arch));
+        let worker = || Worker { arch, plan, reader: source.reader(), march: march() };
         workers.lend(worker, |worker| worker.block(block, pulse))
     })?;
     let mut all = Statistics::default();
@@ -326,13 +338,14 @@ impl Lot {
         Self { constants: Constants::new(&setups), setups }
     }
 
-    fn march(&self) -> March<'_> {
-        March::new(Arch::new(), &self.setups, &self.constants)
+    fn march(&self, arch: Arch) -> March<'_> {
+        March::new(arch, &self.setups, &self.constants)
     }
 }
 
 /// One thread's tools.
 struct Worker<'a, R> {
+    arch: Arch,
     plan: &'a Plan,
     reader: R,
     /// Of runs that are all set up alike.
@@ -341,7 +354,7 @@ struct Worker<'a, R> {
 
 impl<R: Reader> Worker<'_, R> {
     fn block(&mut self, runs: Range<usize>, pulse: Pulse) -> Result<Statistics> {
-        let Self { plan, reader, march } = self;
+        let Self { plan, reader, march, .. } = self;
         let mut found = Statistics::default();
         if let Some(march) = march {
             march_over(plan, march, reader, runs, &mut found, pulse)?;
@@ -355,7 +368,7 @@ impl<R: Reader> Worker<'_, R> {
             let alike = setups.iter().take_while(|setup| setup.layout == layout).count();
             let others = setups.split_off(alike);
             let lot = Lot::new(setups);
-            march_over(plan, &mut lot.march(), reader, first..first + alike, &mut found, pulse)?;
+            march_over(plan, &mut lot.march(self.arch), reader, first..first + alike, &mut found, pulse)?;
             (setups, first) = (others, first + alike);
         }
         Ok(found)
@@ -386,4 +399,49 @@ fn march_over(
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aircraft::{Aircraft, Gear, Inertia};
+
+    /// What vectors of any width that this machine has give are the bits of the plain build.
+    #[test]
+    fn any_instructions() {
+        const RUNS: usize = 19;
+        const STATIONS: usize = 70;
+        let inertia = Inertia { mass: 145.5, pitch: 1.92e6, roll: 6.56e5, gravity: 386.0886 };
+        let gear = |name, x, y, stiffness| Gear::new(name, x, y, stiffness, 90.0).unwrap();
+        let gears = vec![
+            gear("nose", 234.9, 0.0, 1502.0),
+            gear("left", -44.35, 109.25, 9102.0),
+            gear("right", -57.1, -109.25, 9102.0),
+        ];
+        let aircraft = Arc::new(Aircraft::new(inertia, gears).unwrap());
+        let modes = |ratio: f64| Arc::new(Modes::natural(Arc::clone(&aircraft), Some(&[ratio])).unwrap());
+        let wave = |i: usize| ((i * i) as f64 * 0.37).sin() + 0.002 * (i % STATIONS) as f64;
+        let elevations: Vec<f64> = (0..RUNS * 3 * STATIONS).map(wave).collect();
+        let memory = Memory::new(&elevations, 3, STATIONS);
+        for damping_input in [false, true] {
+            for (count, speeds) in [(1, 1), (RUNS, RUNS)] {
+                let plan = Plan {
+                    modes: (0..count).map(|run| modes(0.004 * run as f64 + 0.01)).collect(),
+                    speed: (0..speeds).map(|run| 500.0 + 3.0 * run as f64).collect(),
+                    tracks: 3,
+                    stations: STATIONS,
+                    spacing: 10.0,
+                    points: vec![vec![(0.0, 0.0), (120.0, 3.0)]; count],
+                    damping_input,
+                };
+                let on = |arch| simulate_on(arch, &plan, RUNS, &memory, &mut || Ok(())).unwrap();
+                let plain = on(Arch::Scalar);
+                assert_eq!(plain, on(Arch::new()));
+                #[cfg(target_arch = "x86_64")]
+                if let Some(simd) = pulp::x86::V3::try_new() {
+                    assert_eq!(plain, on(Arch::V3(simd)));
+                }
+            }
+        }
+    }
 }

@@ -344,9 +344,10 @@ impl Setup {
         let mut at = select[0].clone();
         let rows = layout.rows();
         let mut squares = vec![[DMatrix::zeros(rows, rows), DMatrix::zeros(rows, rows)]; self.readings.len()];
+        let forms: Vec<_> = self.readings.iter().map(|reading| self.functional(reading)).collect();
         for leg in 0..layout.legs {
-            for (reading, squares) in self.readings.iter().zip(&mut squares) {
-                let square = at.transpose() * self.gramian(&self.functional(reading), self.dt[leg]) * &at;
+            for (gramian, squares) in self.gramians(&forms, self.dt[leg]).iter().zip(&mut squares) {
+                let square = at.transpose() * gramian * &at;
                 squares[0] += &square;
                 if leg < layout.tail {
                     squares[1] += square;
@@ -466,20 +467,27 @@ impl Setup {
 
     /// ∫ (form · transition)ᵀ (form · transition) over a leg: by Gauss's rule over a radian of the
     /// stiffest mode, W(2t) = W(t) + E(t)ᵀ W(t) E(t) beyond.
-    fn gramian(&self, form: &DVector<f64>, time: f64) -> DMatrix<f64> {
+    fn gramians(&self, forms: &[DVector<f64>], time: f64) -> Vec<DMatrix<f64>> {
         let (doublings, mut time) = self.bank.halved(time);
-        let mut sum = DMatrix::zeros(form.len(), form.len());
+        let size = forms.first().map_or(0, DVector::len);
+        let mut sums = vec![DMatrix::zeros(size, size); forms.len()];
         for (node, weight) in GAUSS {
             for node in [-node, node] {
-                let row = self.matrix(0.5 * time * (1.0 + node)).transpose() * form;
-                sum += (0.5 * time * weight) * &row * row.transpose();
+                let transposed = self.matrix(0.5 * time * (1.0 + node)).transpose();
+                for (sum, form) in sums.iter_mut().zip(forms) {
+                    let row = &transposed * form;
+                    sum.ger(0.5 * time * weight, &row, &row, 1.0);
+                }
             }
         }
         for _ in 0..doublings {
             let step = self.matrix(time);
-            sum += step.transpose() * &sum * step;
+            for sum in &mut sums {
+                let later = step.transpose() * &*sum * &step;
+                *sum += later;
+            }
             time *= 2.0;
         }
-        sum
+        sums
     }
 }

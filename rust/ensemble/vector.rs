@@ -101,9 +101,7 @@ impl<S: Simd> Mask<S> {
     pub fn any(self) -> bool {
         self.simd.first_true_m64s(self.of) < S::F64_LANES
     }
-}
 
-impl<S: Simd> Mask<S> {
     /// One of two numbers for each run.
     #[inline(always)]
     pub fn choose(self, one: Vector<S>, other: Vector<S>) -> Vector<S> {

@@ -1,0 +1,120 @@
+//! States and heights at the starts of all legs.
+
+use pulp::Simd;
+
+use super::super::setup::MODES;
+use super::super::vector::{Part, Vector, parts};
+use super::{March, Push, Row};
+
+impl March<'_> {
+    /// States at the start of every leg; `L` legs, any number for 0.
+    #[inline(always)]
+    pub(super) fn find_states<S: Simd, const L: usize, const DAMPED: bool>(
+        &mut self,
+        simd: S,
+        count: usize,
+        legs: usize,
+    ) {
+        for part in parts(simd) {
+            if L == 0 {
+                let mut pushes: Vec<_> = self.pushes.iter().map(|push| loaded(part, push)).collect();
+                self.march::<S, DAMPED>(part, count, legs, &mut pushes);
+            } else {
+                let mut pushes = [[[part.all(0.0); MODES]; 2]; L];
+                for (push, kept) in pushes.iter_mut().zip(&self.pushes) {
+                    *push = loaded(part, kept);
+                }
+                self.march::<S, DAMPED>(part, count, L, &mut pushes);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn march<S: Simd, const DAMPED: bool>(
+        &mut self,
+        part: Part<S>,
+        count: usize,
+        legs: usize,
+        pushes: &mut [Push<Vector<S>>],
+    ) {
+        let Self { layout, constants, ground, states, state, .. } = self;
+        let (members, steps) = (&layout.members[..legs], &constants.steps[..legs]);
+        let mut now = part.load_all(state);
+        for i in 0..count {
+            for leg in 0..legs {
+                let mut push = [[part.all(0.0); MODES]; 2];
+                for group in members[leg].clone() {
+                    let rise = part.load(&ground[group].rise[i + 1]);
+                    for mode in 0..MODES {
+                        push[0][mode] = push[0][mode] + part.load(&constants.climb[group][mode]) * rise;
+                        if DAMPED {
+                            push[1][mode] = push[1][mode] + part.load(&constants.drag[group][mode]) * rise;
+                        }
+                    }
+                }
+                pushes[leg][0] = push[0];
+                if DAMPED {
+                    pushes[leg][1] = push[1];
+                }
+                for (now, rows) in now.iter().zip(&mut states[leg]) {
+                    part.store(*now, &mut rows[i]);
+                }
+                for mode in 0..MODES {
+                    let [mut beta, mut gamma] = [pushes[0][0][mode], pushes[0][1][mode]];
+                    for [more_beta, more_gamma] in &pushes[1..] {
+                        beta = beta + more_beta[mode];
+                        if DAMPED {
+                            gamma = gamma + more_gamma[mode];
+                        }
+                    }
+                    let step = &steps[leg][mode];
+                    let [g, s, w, h] = part.load_all(&[step.g, step.s, step.w, step.h]);
+                    let (d, v) = (now[mode], now[MODES + mode]);
+                    let mut after_d = (d - h * beta) + (s * v - g * d);
+                    let mut after_v = (v + g * beta) - (w * v + s * d);
+                    if DAMPED {
+                        after_d = after_d + g * gamma;
+                        after_v = after_v + s * gamma;
+                    }
+                    (now[mode], now[MODES + mode]) = (after_d, after_v);
+                }
+            }
+        }
+        let (leg, i) = layout.after(legs - 1, count - 1);
+        for (k, now) in now.into_iter().enumerate() {
+            part.store(now, &mut states[leg][k][i]);
+            part.store(now, &mut state[k]);
+        }
+        for (push, kept) in pushes.iter().flatten().flatten().zip(self.pushes.iter_mut().flatten().flatten())
+        {
+            part.store(*push, kept);
+        }
+    }
+
+    /// Elevations at the start of every leg, as heights above the first group's, and its own rise.
+    #[inline(always)]
+    pub(super) fn find_heights(&mut self, count: usize, legs: usize) {
+        let Self { layout, constants, ground, heights, origin, .. } = self;
+        for leg in 0..legs {
+            for (group, out) in heights[leg].iter_mut().enumerate() {
+                let met = |group: usize| usize::from(layout.groups[group].leg <= leg);
+                let (share, datum) = (&constants.from_station[leg], layout.datum);
+                for i in 0..count {
+                    let below = share[datum] * ground[datum].rise[i + met(datum)];
+                    let climb = share[group] * ground[group].rise[i + met(group)];
+                    out[i] = if group == datum {
+                        (ground[group].z[i] - *origin) + climb
+                    } else {
+                        (ground[group].z[i] - ground[datum].z[i]) + (climb - below)
+                    };
+                }
+            }
+        }
+    }
+}
+
+/// A push in registers.
+#[inline(always)]
+fn loaded<S: Simd>(part: Part<S>, push: &Push<Row>) -> Push<Vector<S>> {
+    [part.load_all(&push[0]), part.load_all(&push[1])]
+}

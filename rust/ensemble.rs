@@ -172,6 +172,8 @@ pub struct Plan {
     pub points: Vec<Vec<(f64, f64)>>,
     /// Whether the gears' dampers take part in the ground input.
     pub damping_input: bool,
+    /// Whether extremes are looked for between the gears' stations too.
+    pub between: bool,
 }
 
 /// Results of many runs: arrays of rows, a row a run.
@@ -316,7 +318,7 @@ fn simulate_on(
     let blocks = (0..runs).step_by(RUNS).map(|first| first..(first + RUNS).min(runs));
     let workers = Tools::new();
     let parts = parallel::map(blocks, pulse, |block, pulse| {
-        let march = || shared.as_ref().map(|lot| lot.march(arch));
+        let march = || shared.as_ref().map(|lot| lot.march(arch, plan.between));
         let worker = || Worker { arch, plan, reader: source.reader(), march: march() };
         workers.lend(worker, |worker| worker.block(block, pulse))
     })?;
@@ -338,8 +340,8 @@ impl Lot {
         Self { constants: Constants::new(&setups), setups }
     }
 
-    fn march(&self, arch: Arch) -> March<'_> {
-        March::new(arch, &self.setups, &self.constants)
+    fn march(&self, arch: Arch, between: bool) -> March<'_> {
+        March::new(arch, between, &self.setups, &self.constants)
     }
 }
 
@@ -368,7 +370,14 @@ impl<R: Reader> Worker<'_, R> {
             let alike = setups.iter().take_while(|setup| setup.layout == layout).count();
             let others = setups.split_off(alike);
             let lot = Lot::new(setups);
-            march_over(plan, &mut lot.march(self.arch), reader, first..first + alike, &mut found, pulse)?;
+            march_over(
+                plan,
+                &mut lot.march(self.arch, plan.between),
+                reader,
+                first..first + alike,
+                &mut found,
+                pulse,
+            )?;
             (setups, first) = (others, first + alike);
         }
         Ok(found)
@@ -433,6 +442,7 @@ mod tests {
                     spacing: 10.0,
                     points: vec![vec![(0.0, 0.0), (120.0, 3.0)]; count],
                     damping_input,
+                    between: true,
                 };
                 let on = |arch| simulate_on(arch, &plan, RUNS, &memory, &mut || Ok(())).unwrap();
                 let plain = on(Arch::Scalar);

@@ -440,8 +440,10 @@ fn run_many<'py>(
 }
 
 /// Many runs at once; `modes` and `speed` one for all or one a run. Failed runs raise, or are
-/// masked by NaN. `stations`: points (x, y) for each of `modes`.
+/// masked by NaN. `stations`: points (x, y) for each of `modes`. `between`: whether extremes are
+/// looked for between the gears' stations too.
 #[pyfunction]
+#[pyo3(signature = (modes, elevations, spacing, speed, stations, damping_input, mask, between=true))]
 #[expect(clippy::too_many_arguments, reason = "a plan, spelled out")]
 fn simulate_many<'py>(
     py: Python<'py>,
@@ -452,6 +454,7 @@ fn simulate_many<'py>(
     stations: Vec<PyReadonlyArray2<'py, f64>>,
     damping_input: bool,
     mask: bool,
+    between: bool,
 ) -> PyResult<Many<'py>> {
     let dim = match &elevations {
         Elevations::Double(array) => array.as_array().dim(),
@@ -460,7 +463,7 @@ fn simulate_many<'py>(
     let points = stations.iter().map(points).collect();
     let modes = modes.iter().map(|modes| Arc::clone(&modes.get().0)).collect();
     let (tracks, stations) = (dim.1, dim.2);
-    let plan = ensemble::Plan { modes, speed, tracks, stations, spacing, points, damping_input };
+    let plan = ensemble::Plan { modes, speed, tracks, stations, spacing, points, damping_input, between };
     match elevations {
         Elevations::Double(array) => many(py, &plan, &array, mask),
         Elevations::Single(array) => many(py, &plan, &array, mask),
@@ -549,6 +552,7 @@ fn monte_carlo<'py>(
         spacing: generator.0.spacing(),
         points: vec![points(&stations)],
         damping_input,
+        between: true,
     };
     let source = roughness::Runs { generator: &generator.0, first: first_run };
     // Elevations that are made are finite: only the motion can leave the range.

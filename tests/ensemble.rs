@@ -27,6 +27,7 @@ fn plan() -> Plan {
         spacing: 10.0,
         points: vec![vec![(0.0, 0.0)]],
         damping_input: false,
+        between: true,
     }
 }
 

@@ -41,6 +41,7 @@ def simulate_many(
     stations: list[NDArray[np.float64]],
     damping_input: bool,
     mask: bool,
+    between: bool = True,
 ) -> tuple[list[NDArray[np.float64]], list[tuple[int, str]]]: ...
 
 @final

@@ -50,6 +50,8 @@ struct Ground {
 /// Where several runs are on their way.
 pub(super) struct March<'a> {
     arch: Arch,
+    /// Whether extremes are looked for between the ends of legs.
+    between: bool,
     setups: &'a [Setup],
     pub layout: &'a Layout,
     constants: &'a Constants,
@@ -87,7 +89,7 @@ pub(super) struct March<'a> {
 }
 
 impl<'a> March<'a> {
-    pub fn new(arch: Arch, setups: &'a [Setup], constants: &'a Constants) -> Self {
+    pub fn new(arch: Arch, between: bool, setups: &'a [Setup], constants: &'a Constants) -> Self {
         let layout = &*setups[0].layout;
         let searches = |setup: &Setup| setup.readings.iter().map(|reading| reading.output.clone()).collect();
         let groups = layout.groups.len();
@@ -97,6 +99,7 @@ impl<'a> March<'a> {
         let outputs = constants.weights.len();
         Self {
             arch,
+            between,
             setups,
             layout,
             constants,

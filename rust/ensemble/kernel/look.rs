@@ -30,6 +30,9 @@ impl March<'_> {
                 (top, bottom) = (top.max(edges[0]), bottom.min(edges[1]));
             }
             self.records.see(output, top, bottom);
+            if !self.between {
+                continue;
+            }
             let bulges = self.bulges(output);
             let most = bulges[0].min(bulges[1]);
             if self.records.may_break(output, top, bottom, most) != [0, 0] {

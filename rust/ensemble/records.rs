@@ -61,13 +61,6 @@ impl Records {
         }
     }
 
-    /// Which runs may break their records somewhere between ends with these values, one bit a run.
-    #[inline(always)]
-    pub fn may_break(&self, output: usize, top: Row, bottom: Row, bulge: Row) -> [u8; 2] {
-        let [high, low] = self.records[output].best;
-        [(top + bulge).above(high), (bulge - bottom).above(low)]
-    }
-
     /// Largest values of F and of −F.
     #[inline(always)]
     pub fn best(&self, output: usize) -> [Row; 2] {

@@ -35,12 +35,16 @@ impl March<'_> {
             }
             let bulges = self.bulges(output);
             let most = bulges[0].min(bulges[1]);
-            if self.records.may_break(output, top, bottom, most) != [0, 0] {
+            let [high, low] = self.records.best(output);
+            for part in parts(simd) {
+                let most = part.load(&most);
+                // From here on values may come to break a record between the ends of legs.
+                let limits = [part.load(&high) - most, most - part.load(&low)];
                 for chunk in 0..count.div_ceil(CHUNK) {
-                    let [top, bottom] = self.edges[chunk];
-                    if self.records.may_break(output, top, bottom, most) != [0, 0] {
+                    let [top, bottom] = part.load_all(&self.edges[chunk]);
+                    if (top.above(limits[0]) | limits[1].above(bottom)).any() {
                         let periods = CHUNK * chunk..count.min(CHUNK * (chunk + 1));
-                        self.sift(simd, output, periods, legs, [&bulges[0], &most]);
+                        self.sift(part, output, periods, legs, part.load(&bulges[0]), limits);
                     }
                 }
             }
@@ -157,25 +161,21 @@ impl March<'_> {
     #[inline(always)]
     fn sift<S: Simd>(
         &mut self,
-        simd: S,
+        part: Part<S>,
         output: usize,
         periods: Range<usize>,
         legs: usize,
-        [bend, most]: [&Row; 2],
+        bend: Vector<S>,
+        limits: [Vector<S>; 2],
     ) {
-        for part in parts(simd) {
-            let most = part.load(most);
-            for leg in 0..legs {
-                let far = part.all(4.0) * part.load(bend) * part.load(&self.constants.shorter[leg]);
-                for i in periods.clone() {
-                    let [start, end] = self.ends_of(leg, i);
-                    let (start, end) = (part.load(start), part.load(end));
-                    let [high, low] = part.load_all(&self.records.best(output));
-                    let high = (start.max(end) + most).above(high);
-                    let low = (most - start.min(end)).above(low);
-                    if (far.above((end - start).abs()) & (high | low)).any() {
-                        self.weigh(part, output, (leg, i));
-                    }
+        for leg in 0..legs {
+            let far = part.all(4.0) * bend * part.load(&self.constants.shorter[leg]);
+            for i in periods.clone() {
+                let [start, end] = self.ends_of(leg, i);
+                let (start, end) = (part.load(start), part.load(end));
+                let reached = start.max(end).above(limits[0]) | limits[1].above(start.min(end));
+                if reached.any() && (reached & far.above((end - start).abs())).any() {
+                    self.weigh(part, output, (leg, i));
                 }
             }
         }

@@ -29,13 +29,6 @@ impl Row {
         Self([f(a, j), f(b, k), f(c, l), f(d, m), f(e, n), f(g, o), f(h, p), f(i, q)])
     }
 
-    /// Quotients.
-    #[inline(always)]
-    #[must_use]
-    pub fn over(self, other: Self) -> Self {
-        self.zip(other, |a, b| a / b)
-    }
-
     /// The larger of two; the other where one is NaN.
     #[inline(always)]
     #[must_use]
@@ -48,24 +41,6 @@ impl Row {
     #[must_use]
     pub fn min(self, other: Self) -> Self {
         self.zip(other, f64::min)
-    }
-
-    /// One bit a run: whether its number exceeds the other's.
-    #[inline(always)]
-    #[must_use]
-    pub fn above(self, other: Self) -> u8 {
-        let mut bits = 0;
-        for lane in 0..RUNS {
-            bits |= u8::from(self.0[lane] > other.0[lane]) << lane;
-        }
-        bits
-    }
-
-    /// Square roots.
-    #[inline(always)]
-    #[must_use]
-    pub fn sqrt(self) -> Self {
-        Self(self.0.map(f64::sqrt))
     }
 }
 

@@ -74,6 +74,12 @@ impl<S: Simd> Vector<S> {
         Self { of: self.simd.min_f64s(self.of, other.of), ..self }
     }
 
+    /// Square root.
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        Self { of: self.simd.sqrt_f64s(self.of), ..self }
+    }
+
     /// Magnitude.
     #[inline(always)]
     pub fn abs(self) -> Self {

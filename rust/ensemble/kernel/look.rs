@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::super::constants::{BoundRows, States};
+use super::super::constants::States;
 use super::super::records::Candidate;
 use super::super::setup::MODES;
 use super::super::vector::{Part, Vector, parts};
@@ -33,18 +33,17 @@ impl March<'_> {
             if !self.between {
                 continue;
             }
-            let bulges = self.bulges(output);
-            let most = bulges[0].min(bulges[1]);
             let [high, low] = self.records.best(output);
             for part in parts(simd) {
-                let most = part.load(&most);
+                let [bend, swing] = self.bulges(part, output);
+                let most = bend.min(swing);
                 // From here on values may come to break a record between the ends of legs.
                 let limits = [part.load(&high) - most, most - part.load(&low)];
                 for chunk in 0..count.div_ceil(CHUNK) {
                     let [top, bottom] = part.load_all(&self.edges[chunk]);
                     if (top.above(limits[0]) | limits[1].above(bottom)).any() {
                         let periods = CHUNK * chunk..count.min(CHUNK * (chunk + 1));
-                        self.sift(part, output, periods, legs, part.load(&bulges[0]), limits);
+                        self.sift(part, output, periods, legs, bend, limits);
                     }
                 }
             }
@@ -137,20 +136,19 @@ impl March<'_> {
     /// How far an output may rise above, or fall below, its values at the ends of the legs: by what it
     /// bends on the longest leg, and by what it swings.
     #[inline(always)]
-    fn bulges(&self, output: usize) -> [Row; 2] {
-        let reach = &self.reach;
-        let groups = self.ground.len();
-        let [by_bend, by_swing] = &self.constants.weights[output].bulge;
-        [by_bend, by_swing].map(|BoundRows { state, after, before }| {
-            let mut bound = ZERO;
-            for (weight, reach) in state.iter().chain(after).zip(reach) {
-                bound += *weight * *reach;
+    fn bulges<S: Simd>(&self, part: Part<S>, output: usize) -> [Vector<S>; 2] {
+        let (states, rises) = self.reach.split_at(2 * MODES);
+        let (rises, inner) = rises.split_at(self.ground.len());
+        let mut bounds = [part.all(0.0); 2];
+        for (bound, rows) in bounds.iter_mut().zip(&self.constants.weights[output].bulge) {
+            for (weight, reach) in rows.state.iter().zip(states).chain(rows.after.iter().zip(rises)) {
+                *bound = *bound + part.load(weight) * part.load(reach);
             }
-            for (group, reach) in self.layout.inner().zip(&reach[2 * MODES + groups..]) {
-                bound += before[group] * *reach;
+            for (group, reach) in self.layout.inner().zip(inner) {
+                *bound = *bound + part.load(&rows.before[group]) * part.load(reach);
             }
-            bound
-        })
+        }
+        bounds
     }
 
     /// Keeps the stretches of a chunk that may hold a record: by the block's bounds, which are at hand,

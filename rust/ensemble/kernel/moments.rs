@@ -5,8 +5,8 @@ use std::ops::Range;
 use pulp::Simd;
 
 use super::super::setup::MODES;
-use super::super::vector::parts;
-use super::{March, Row, ZERO};
+use super::super::vector::{Part, Vector, parts};
+use super::{March, Row};
 
 impl March<'_> {
     /// Adds up the products of a block's rows.
@@ -20,36 +20,40 @@ impl March<'_> {
         rows.extend(first_rows.iter().map(|rows| &rows[..count]));
         let moments = &mut moments[usize::from(tail)];
         let (plain, inner) = (2 * MODES, layout.inner_rows());
-        for (t, top) in triples.iter().enumerate() {
-            let pick = |triple: &Range<usize>| {
-                std::array::from_fn::<&[Row], 3, _>(|k| rows[(triple.start + k).min(triple.end - 1)])
-            };
-            let a = pick(top);
-            for left in &triples[..=t] {
-                // Over whole periods these follow from the products of the one before.
-                let known = left.end <= plain || inner.contains(&left.start);
-                if !tail && inner.contains(&top.start) && known {
-                    continue;
-                }
-                let sums = match (top == left, top.len()) {
-                    (true, _) => triangle(simd, a),
-                    (false, 1) => products::<S, 1>(simd, a, pick(left)),
-                    (false, 2) => products::<S, 2>(simd, a, pick(left)),
-                    (false, _) => products::<S, 3>(simd, a, pick(left)),
-                };
-                for (row, sums) in top.clone().zip(&sums) {
-                    for (column, sum) in left.clone().zip(sums).filter(|&(column, _)| column <= row) {
-                        moments[place(row, column)] += *sum;
-                        if column == row && row < reach.len() {
-                            reach[row] = sum.sqrt();
+        for part in parts(simd) {
+            for (t, top) in triples.iter().enumerate() {
+                let a = pick(&rows, top);
+                for left in &triples[..=t] {
+                    // Over whole periods these follow from the products of the one before.
+                    let known = left.end <= plain || inner.contains(&left.start);
+                    if !tail && inner.contains(&top.start) && known {
+                        continue;
+                    }
+                    let b = pick(&rows, left);
+                    let sums = match (top == left, top.len()) {
+                        (true, _) => triangle(part, a),
+                        (false, 1) => products::<S, 1>(part, a, b),
+                        (false, 2) => products::<S, 2>(part, a, b),
+                        (false, _) => products::<S, 3>(part, a, b),
+                    };
+                    for (row, sums) in top.clone().zip(sums) {
+                        for (column, sum) in left.clone().zip(sums) {
+                            if column > row {
+                                break;
+                            }
+                            let moment = &mut moments[place(row, column)];
+                            part.store(part.load(moment) + sum, moment);
+                            if column == row && row < reach.len() {
+                                part.store(sum.sqrt(), &mut reach[row]);
+                            }
                         }
                     }
                 }
             }
-        }
-        for (row, (group, before)) in inner.zip(layout.inner().zip(&rows[layout.inner_rows()])) {
-            let after = reach[plain + group];
-            reach[row] = (after * after + before[0] * before[0]).sqrt();
+            for (row, (group, before)) in inner.clone().zip(layout.inner().zip(&rows[inner.clone()])) {
+                let (after, before) = (part.load(&reach[plain + group]), part.load(&before[0]));
+                part.store((after * after + before * before).sqrt(), &mut reach[row]);
+            }
         }
     }
 
@@ -101,26 +105,23 @@ fn place(row: usize, column: usize) -> usize {
     row * (row + 1) / 2 + column
 }
 
+/// Three rows; the last one in place of those that are lacking.
+fn pick<'a>(rows: &[&'a [Row]], triple: &Range<usize>) -> [&'a [Row]; 3] {
+    std::array::from_fn(|k| rows[(triple.start + k).min(triple.end - 1)])
+}
+
 /// Sums of products of `N` ≤ 3 rows with three.
 #[inline(always)]
-fn products<S: Simd, const N: usize>(simd: S, a: [&[Row]; 3], b: [&[Row]; 3]) -> [[Row; 3]; 3] {
-    let mut sums = [[ZERO; 3]; 3];
+fn products<S: Simd, const N: usize>(part: Part<S>, a: [&[Row]; 3], b: [&[Row]; 3]) -> [[Vector<S>; 3]; 3] {
+    let mut sums = [[part.all(0.0); 3]; 3];
     let count = a[0].len();
     let (a, b) = (a.map(|row| &row[..count]), b.map(|row| &row[..count]));
-    for part in parts(simd) {
-        let mut sum = [[part.all(0.0); 3]; N];
-        for i in 0..count {
-            let b = [part.load(&b[0][i]), part.load(&b[1][i]), part.load(&b[2][i])];
-            for row in 0..N {
-                let a = part.load(&a[row][i]);
-                for column in 0..3 {
-                    sum[row][column] = sum[row][column] + a * b[column];
-                }
-            }
-        }
+    for i in 0..count {
+        let b = [part.load(&b[0][i]), part.load(&b[1][i]), part.load(&b[2][i])];
         for row in 0..N {
+            let a = part.load(&a[row][i]);
             for column in 0..3 {
-                part.store(sum[row][column], &mut sums[row][column]);
+                sums[row][column] = sums[row][column] + a * b[column];
             }
         }
     }
@@ -129,23 +130,15 @@ fn products<S: Simd, const N: usize>(simd: S, a: [&[Row]; 3], b: [&[Row]; 3]) ->
 
 /// Sums of products of three rows with themselves, on and below the diagonal.
 #[inline(always)]
-fn triangle<S: Simd>(simd: S, a: [&[Row]; 3]) -> [[Row; 3]; 3] {
-    let mut sums = [[ZERO; 3]; 3];
+fn triangle<S: Simd>(part: Part<S>, a: [&[Row]; 3]) -> [[Vector<S>; 3]; 3] {
+    let mut sums = [[part.all(0.0); 3]; 3];
     let count = a[0].len();
     let a = a.map(|row| &row[..count]);
-    for part in parts(simd) {
-        let mut sum = [[part.all(0.0); 3]; 3];
-        for i in 0..count {
-            let a = [part.load(&a[0][i]), part.load(&a[1][i]), part.load(&a[2][i])];
-            for row in 0..3 {
-                for column in 0..=row {
-                    sum[row][column] = sum[row][column] + a[row] * a[column];
-                }
-            }
-        }
+    for i in 0..count {
+        let a = [part.load(&a[0][i]), part.load(&a[1][i]), part.load(&a[2][i])];
         for row in 0..3 {
             for column in 0..=row {
-                part.store(sum[row][column], &mut sums[row][column]);
+                sums[row][column] = sums[row][column] + a[row] * a[column];
             }
         }
     }

@@ -73,12 +73,12 @@ test-python: $(DEV) ## examples in docstrings, then the tests
 # Tests named so hold the code that chooses its vectors when it runs against plain code, and both
 # against bits written down. Then all of the core is built for machines that have wider vectors.
 same-bits: toolchain ## the same bits from SSE2, AVX2 and AVX-512, in optimised builds; minutes
-	cargo test --quiet --locked --release --lib --test roughness same_bits
+	cargo test --quiet --locked --release --lib --test roughness --test ensemble same_bits
 	@for level in v3:avx2 v4:avx512f; do \
 		if grep -qw "$${level#*:}" /proc/cpuinfo; then \
 			echo "built for x86-64-$${level%:*}:"; \
 			RUSTFLAGS="-C target-cpu=x86-64-$${level%:*}" CARGO_TARGET_DIR=target/x86-64-$${level%:*} \
-				cargo test --quiet --locked --release --lib --test roughness same_bits; \
+				cargo test --quiet --locked --release --lib --test roughness --test ensemble same_bits; \
 		else echo "this machine has no $${level#*:}: not run"; fi; \
 	done
 

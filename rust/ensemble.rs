@@ -417,7 +417,7 @@ mod tests {
 
     /// What vectors of any width that this machine has give are the bits of the plain build.
     #[test]
-    fn any_instructions() {
+    fn same_bits_from_any_instructions() {
         const RUNS: usize = 19;
         const STATIONS: usize = 70;
         let inertia = Inertia { mass: 145.5, pitch: 1.92e6, roll: 6.56e5, gravity: 386.0886 };

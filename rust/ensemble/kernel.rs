@@ -212,8 +212,10 @@ impl March<'_> {
             let (mut max, mut min, mut rms) = (f64::NAN, f64::NAN, f64::NAN);
             if valid {
                 (max, min) = self.records.settle(setup, output, lane, search);
-                let square = self.squares[output][lane].max(0.0);
-                rms = if setup.duration > 0.0 { (square / setup.duration).sqrt() } else { 0.0 };
+                let square = self.squares[output][lane];
+                // Rounding may leave less than nothing; what is no number stays so.
+                let nothing = square < 0.0 || setup.duration == 0.0;
+                rms = if nothing { 0.0 } else { (square / setup.duration).sqrt() };
             }
             if let Some(level) = setup.static_load.get(output) {
                 out.max_load.push(level + max);

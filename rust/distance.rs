@@ -25,6 +25,7 @@ impl Distance {
     }
 
     /// a b without rounding (Dekker), for |a|, |b| < 1e150.
+    #[inline(always)]
     #[must_use]
     pub fn product(a: f64, b: f64) -> Self {
         let split = |value: f64| {

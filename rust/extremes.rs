@@ -19,6 +19,7 @@
 use multiversion::multiversion;
 
 use crate::error::{Error, Result};
+use crate::inside::Inside;
 use crate::lanes::{LANES, Lanes};
 use crate::march::{Block, Segment, Visitor, march};
 use crate::readout::{Form, Heights, Line, Quantity};
@@ -29,6 +30,9 @@ use crate::watch::{Pulse, Watch};
 /// A value this close to the record (in units in the last place of the range) ties with it:
 /// of equal peaks the first counts.
 const TIE: f64 = 4.0 * f64::EPSILON;
+
+/// Pieces of a long segment whose ends are known before any is searched: a few cycles.
+const BATCH: usize = 32;
 
 /// Halvings and Newton steps end here; both converge long before.
 const MOST_STEPS: u32 = 60;
@@ -368,9 +372,11 @@ struct Screen {
     rate: Lanes,
     /// Values at the start of the next piece.
     start: Lanes,
-    /// Records, with the slack for ties.
+    /// Records, with the slack for ties, or values ahead that will be records.
     high: Lanes,
     low: Lanes,
+    /// Largest and smallest values seen ahead, less the slack.
+    ahead: (Lanes, Lanes),
 }
 
 impl Screen {
@@ -391,7 +397,8 @@ impl Screen {
             ]
         });
         let none = Lanes::ZERO;
-        let mut screen = Self { weights, line: none, rate: none, start: none, high: none, low: none };
+        let ahead = (Lanes::all(f64::NEG_INFINITY), Lanes::all(f64::INFINITY));
+        let mut screen = Self { weights, line: none, rate: none, start: none, high: none, low: none, ahead };
         screen.read_lines(outputs);
         screen.read_records(outputs);
         screen
@@ -408,6 +415,17 @@ impl Screen {
             let slack = output.slack();
             (self.high[lane], self.low[lane]) = (output.record.max + slack, output.record.min - slack);
         }
+        (self.high, self.low) = (self.high.max(self.ahead.0), self.low.min(self.ahead.1));
+    }
+
+    /// Looks ahead at values, so that pieces that do not reach the largest are dismissed at once.
+    #[inline(always)]
+    fn look_ahead(&mut self, values: &[Lanes]) {
+        for value in values {
+            let slack = value.abs() * TIE;
+            self.ahead = (self.ahead.0.max(*value - slack), self.ahead.1.min(*value + slack));
+        }
+        (self.high, self.low) = (self.high.max(self.ahead.0), self.low.min(self.ahead.1));
     }
 
     /// Values at a state `tau` after the start of the line.
@@ -420,16 +438,42 @@ impl Screen {
         sum
     }
 
-    /// What the outputs cannot exceed, nor fall below, on a piece from the values at `start` to
-    /// those at `end`.
+    /// What the outputs cannot exceed, nor fall below, on a piece from the values `start` to
+    /// the values `end`.
     #[inline(always)]
-    fn bounds(&self, end: Lanes, Pair([slow, fast]): Pair, h: f64) -> (Lanes, Lanes) {
+    fn bounds(&self, (start, end): (Lanes, Lanes), Pair([slow, fast]): Pair, h: f64) -> (Lanes, Lanes) {
         let mut second = Lanes::ZERO;
         for (mode, [_, _, one, other]) in self.weights.iter().enumerate() {
             second += *one * slow[mode] + *other * fast[mode];
         }
         let bulge = second * (h * h / 8.0);
-        (self.start.max(end) + bulge, self.start.min(end) - bulge)
+        (start.max(end) + bulge, start.min(end) - bulge)
+    }
+}
+
+impl Screen {
+    /// Searches a piece as far as the bounds on it reach beyond the records.
+    #[inline(always)]
+    fn check(
+        &mut self,
+        outputs: &mut [Output],
+        bank: (&Oscillators, &Lengths),
+        ends: (&State, &State),
+        values: (Lanes, Lanes),
+        drive: &Drive,
+        (time, tau, h): (f64, f64, f64),
+    ) {
+        let lengths = bank.1.at_most(departure(bank.0, drive, ends.0));
+        let (top, bottom) = self.bounds(values, lengths, h);
+        if top.any_above(self.high) || self.low.any_above(bottom) {
+            for (lane, output) in outputs.iter_mut().enumerate() {
+                if top[lane] > self.high[lane] || bottom[lane] < self.low[lane] {
+                    let signs = [(1.0, top[lane]), (-1.0, -bottom[lane])];
+                    output.search(bank, ends, drive, (time, tau, h), &signs);
+                }
+            }
+            self.read_records(outputs);
+        }
     }
 }
 
@@ -446,6 +490,7 @@ struct Search<'a> {
     begin: f64,
     end: f64,
     last: State,
+    inside: Inside<'a>,
     watch: Watch<'a>,
 }
 
@@ -473,24 +518,27 @@ impl Search<'_> {
         }
     }
 
-    /// A segment of more than a radian.
-    #[cold]
+    /// A segment of more than a radian, a batch of pieces at a time.
+    #[inline(always)]
     fn long(&mut self, from: &State, drive: &Drive, (time, dt): (f64, f64), whole: &Transition) {
         let pieces = (self.fastest * dt).ceil();
         let h = dt / pieces;
         let step = self.run.oscillators.over(h);
-        let (mut state, mut count) = (*from, 0_u64);
+        let mut states = [*from; BATCH + 1];
+        let mut count = 0_u64;
         while (count as f64) < pieces {
             let tau = count as f64 * h;
-            // Asked once in about a cycle: whether the amplitudes left still reach a record.
-            let cycle = count.is_multiple_of(8);
-            if cycle && !(self.watch.go_on(8) && self.reachable(&state, drive, (tau, dt))) {
+            // Asked once a batch: whether the amplitudes left still reach a record.
+            let batch = (pieces - count as f64).min(BATCH as f64) as usize;
+            if !(self.watch.go_on(batch as u32) && self.reachable(&states[0], drive, (tau, dt))) {
                 break;
             }
-            let next = step.apply(&state, drive);
-            self.piece(&state, &next, drive, (time, tau, h));
-            state = next;
-            count += 1;
+            for end in 1..=batch {
+                states[end] = step.apply(&states[end - 1], drive);
+            }
+            self.pieces(&states[..=batch], drive, time, |piece| (count + piece as u64) as f64 * h, h);
+            states[0] = states[batch];
+            count += batch as u64;
         }
         // The end of the segment, which the search may have stopped short of.
         let end = whole.apply(from, drive);
@@ -517,22 +565,30 @@ impl Search<'_> {
 
     /// One piece of at most a radian.
     #[inline(always)]
-    fn piece(&mut self, from: &State, to: &State, drive: &Drive, (time, tau, h): (f64, f64, f64)) {
-        let lengths = self.lengths.at_most(departure(&self.run.oscillators, drive, from));
+    fn piece(&mut self, ends: (&State, &State), drive: &Drive, (time, h): (f64, f64)) {
+        let bank = (&self.run.oscillators, &self.lengths);
         for (screen, outputs) in self.screens.iter_mut().zip(self.outputs.chunks_mut(LANES)) {
-            let end = screen.values(to, tau + h);
-            let (top, bottom) = screen.bounds(end, lengths, h);
-            if top.any_above(screen.high) || screen.low.any_above(bottom) {
-                for (lane, output) in outputs.iter_mut().enumerate() {
-                    if top[lane] > screen.high[lane] || bottom[lane] < screen.low[lane] {
-                        let signs = [(1.0, top[lane]), (-1.0, -bottom[lane])];
-                        let bank = (&self.run.oscillators, &self.lengths);
-                        output.search(bank, (from, to), drive, (time, tau, h), &signs);
-                    }
-                }
-                screen.read_records(outputs);
+            let values = (screen.start, screen.values(ends.1, h));
+            screen.start = values.1;
+            screen.check(outputs, bank, ends, values, drive, (time, 0.0, h));
+        }
+    }
+
+    /// Pieces of length `h` from one state to the next, the first `tau` after `time`.
+    #[inline(always)]
+    fn pieces(&mut self, states: &[State], drive: &Drive, time: f64, tau: impl Fn(usize) -> f64, h: f64) {
+        let bank = (&self.run.oscillators, &self.lengths);
+        for (screen, outputs) in self.screens.iter_mut().zip(self.outputs.chunks_mut(LANES)) {
+            let mut values = [screen.start; BATCH + 1];
+            for (piece, state) in states[1..].iter().enumerate() {
+                values[piece + 1] = screen.values(state, tau(piece) + h);
             }
-            screen.start = end;
+            screen.start = values[states.len() - 1];
+            screen.look_ahead(&values[1..states.len()]);
+            for (piece, ends) in states.windows(2).enumerate() {
+                let values = (values[piece], values[piece + 1]);
+                screen.check(outputs, bank, (&ends[0], &ends[1]), values, drive, (time, tau(piece), h));
+            }
         }
     }
 }
@@ -559,6 +615,11 @@ fn look_at_block(search: &mut Search, block: &Block) {
     }
 }
 
+#[multiversion(targets("x86_64+avx2"))]
+fn search_long(search: &mut Search, from: &State, drive: &Drive, span: (f64, f64), whole: &Transition) {
+    search.long(from, drive, span, whole);
+}
+
 impl Search<'_> {
     #[inline(always)]
     fn look(&mut self, segment: &Segment) {
@@ -569,9 +630,9 @@ impl Search<'_> {
         self.last = *segment.state();
         let inside = segment.start >= self.begin && segment.end <= self.end;
         if inside && self.fastest * segment.dt() <= 1.0 {
-            let (from, to) = (segment.state(), segment.end_state());
-            self.begin(segment, segment.start, from);
-            self.piece(from, to, &segment.drive(), (segment.start, 0.0, segment.dt()));
+            let ends = (segment.state(), segment.end_state());
+            self.begin(segment, segment.start, ends.0);
+            self.piece(ends, &segment.drive(), (segment.start, segment.dt()));
         } else {
             self.visit_part(segment);
         }
@@ -583,14 +644,15 @@ impl Search<'_> {
     #[cold]
     fn visit_part(&mut self, segment: &Segment) {
         let (from, to) = (segment.start.max(self.begin), segment.end.min(self.end));
-        let state = segment.state_at(from);
+        let state = self.inside.states(segment, &[from])[0];
         let dt = segment.elapsed(from, to);
         let whole = self.run.oscillators.over(dt);
         self.begin(segment, from, &state);
         if self.fastest * dt <= 1.0 {
-            self.piece(&state, &whole.apply(&state, &segment.drive()), &segment.drive(), (from, 0.0, dt));
+            let end = whole.apply(&state, &segment.drive());
+            self.piece((&state, &end), &segment.drive(), (from, dt));
         } else {
-            self.long(&state, &segment.drive(), (from, dt), &whole);
+            search_long(self, &state, &segment.drive(), (from, dt), &whole);
         }
     }
 }
@@ -622,7 +684,8 @@ impl Run {
             fastest: bank.omega.0.into_iter().fold(0.0, f64::max),
             begin,
             end,
-            last: State { d: Lanes::ZERO, v: Lanes::ZERO, p: Lanes::ZERO },
+            last: State::REST,
+            inside: Inside::new(self),
             watch: Watch::new(pulse),
         };
         march(self, end, &mut search);

@@ -34,6 +34,7 @@
 //! | `knots` | the breakpoints of all gears, merged in order |
 //! | `path` | the transitions between a block's knots, and what drives the modes there |
 //! | `march` | knots → modal states: the segment loop |
+//! | `inside` | states between a segment's ends |
 //! | [`readout`] | loads, motions and accelerations as linear forms of the state |
 //! | [`sample`] | rows of results at the default times or at any |
 //! | [`extremes`] | true maxima and minima between samples |
@@ -79,6 +80,7 @@ pub mod ensemble;
 pub mod error;
 pub mod extremes;
 mod fourier;
+mod inside;
 mod knots;
 pub mod lanes;
 mod march;

@@ -7,7 +7,7 @@ use crate::knots::{Knots, SLOTS};
 use crate::lanes::{LANES, Lanes};
 use crate::path::{Path, Trail};
 use crate::run::{Run, Track};
-use crate::transition::{Drive, Oscillators, State};
+use crate::transition::{Drive, State};
 
 /// A block of knots and the states there.
 #[derive(Clone, Debug)]
@@ -16,9 +16,9 @@ pub(crate) struct Block<'a> {
     /// Time at which the first segment of the block begins: before all time in the first block.
     start: f64,
     /// State just after each knot.
-    state: [State; SLOTS],
+    state: Box<[State; SLOTS]>,
     /// State just before each knot, unless the block is `plain`.
-    before: [State; SLOTS],
+    before: Box<[State; SLOTS]>,
     /// Whether nothing happens at the knots but changes of slope.
     plain: bool,
     short_bumps: ShortBumps,
@@ -27,12 +27,11 @@ pub(crate) struct Block<'a> {
 impl<'a> Block<'a> {
     /// The first block: at rest in equilibrium on the first elevations.
     fn new(run: &'a Run) -> Self {
-        let rest = State { d: Lanes::ZERO, v: Lanes::ZERO, p: Lanes::ZERO };
         Self {
             path: Path::new(run),
             start: f64::NEG_INFINITY,
-            state: [rest; SLOTS],
-            before: [rest; SLOTS],
+            state: Box::new([State::REST; SLOTS]),
+            before: Box::new([State::REST; SLOTS]),
             plain: false,
             short_bumps: ShortBumps::new(run),
         }
@@ -135,7 +134,7 @@ fn march_block(block: &mut Block) {
     let path = &*path;
     let Path { run, knots, .. } = path;
     if *plain {
-        state[knots.len - 1] = path.follow(state[0], state);
+        state[knots.len - 1] = path.follow(state[0], &mut **state);
         return;
     }
     let (mut now, mut drive, mut step) = (state[0], path.drive(0), 0);
@@ -216,9 +215,9 @@ impl<'a> Segment<'a> {
     /// Distance rolled by `time`; at the rounded time of a knot, that knot itself.
     fn distance(&self, time: f64) -> Distance {
         if time <= self.start {
-            self.block.path.knots.distance(self.slot)
+            self.begins_at()
         } else if time >= self.end {
-            self.block.path.knots.distance(self.slot + 1)
+            self.ends_at()
         } else {
             Distance::product(time, self.block.path.run.speed)
         }
@@ -229,47 +228,17 @@ impl<'a> Segment<'a> {
         (self.distance(to).minus(self.distance(from)) / self.block.path.run.speed).max(0.0)
     }
 
-    /// State at `time`, just before the end of the segment if that is its end.
-    pub fn state_at(&self, time: f64) -> State {
-        if time <= self.start { *self.state() } else { state_after(self, time) }
-    }
-
-    /// Its inside, to be looked at at several times.
+    /// The knot at which it begins.
     #[inline(always)]
-    pub fn inside(&self) -> Inside {
-        let Path { run, knots, .. } = &self.block.path;
-        Inside {
-            state: *self.state(),
-            drive: self.drive(),
-            begin: knots.distance(self.slot),
-            end: (self.end, knots.distance(self.slot + 1)),
-            speed: run.speed,
-        }
+    pub fn begins_at(&self) -> Distance {
+        self.block.path.knots.distance(self.slot)
     }
-}
 
-/// The inside of a segment: times after its start.
-pub(crate) struct Inside {
-    state: State,
-    drive: Drive,
-    begin: Distance,
-    end: (f64, Distance),
-    speed: f64,
-}
-
-impl Inside {
-    /// State at `time`, just before the end of the segment if that is its end.
+    /// The knot at which it ends.
     #[inline(always)]
-    pub fn state_at(&self, bank: &Oscillators, time: f64) -> State {
-        let now = if time >= self.end.0 { self.end.1 } else { Distance::product(time, self.speed) };
-        let since = (now.minus(self.begin) / self.speed).max(0.0);
-        bank.over(since).apply(&self.state, &self.drive)
+    pub fn ends_at(&self) -> Distance {
+        self.block.path.knots.distance(self.slot + 1)
     }
-}
-
-#[multiversion(targets("x86_64+avx2"))]
-fn state_after(segment: &Segment, time: f64) -> State {
-    segment.inside().state_at(&segment.block.path.run.oscillators, time)
 }
 
 /// Sees every segment of a march.

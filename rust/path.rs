@@ -14,7 +14,8 @@ use crate::transition::{Drive, Oscillators, State, Transition};
 #[derive(Clone, Debug)]
 struct Kept {
     dt: [f64; SLOTS],
-    transition: [Transition; SLOTS],
+    /// As many as were needed so far.
+    transition: Vec<Transition>,
     /// Where a Δt may be found, by a hash of its bits.
     place: [u8; SLOTS],
     /// One bit a place: whether the block at hand uses it.
@@ -24,8 +25,9 @@ struct Kept {
 
 impl Kept {
     fn new(bank: &Oscillators) -> Self {
-        let over_nothing = bank.over(0.0);
-        Self { dt: [0.0; SLOTS], transition: [over_nothing; SLOTS], place: [0; SLOTS], used: 0, next: 0 }
+        let mut transition = Vec::with_capacity(SLOTS);
+        transition.push(bank.over(0.0));
+        Self { dt: [0.0; SLOTS], transition, place: [0; SLOTS], used: 0, next: 0 }
     }
 
     /// Place of the transition over `dt`, which is likely that of the last one.
@@ -44,6 +46,9 @@ impl Kept {
             place = self.next;
             self.place[hash] = place;
             self.dt[usize::from(place)] = dt;
+            if self.transition.len() <= usize::from(place) {
+                self.transition.push(self.transition[0]);
+            }
             let transition = &mut self.transition[usize::from(place)];
             if bank.is_short(dt) {
                 *transition = bank.over_short(dt);
@@ -57,7 +62,7 @@ impl Kept {
 
     #[inline(always)]
     fn get(&self, place: u8) -> &Transition {
-        &self.transition[usize::from(place) % SLOTS]
+        &self.transition[usize::from(place)]
     }
 }
 

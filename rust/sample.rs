@@ -3,12 +3,13 @@
 use multiversion::multiversion;
 
 use crate::error::{Error, Result};
+use crate::inside::{AT_ONCE, Inside};
 use crate::lanes::{LANES, Lanes};
 use crate::march::{Block, Segment, Visitor, march};
 use crate::path::Trail;
 use crate::readout::{Form, Heights, Quantity};
 use crate::run::{Grid, Run};
-use crate::transition::{Oscillators, State};
+use crate::transition::State;
 use crate::watch::{Pulse, Watch};
 
 /// Where the rows of a run are written: displacements and rates, `width` columns each.
@@ -44,6 +45,13 @@ impl Rows<'_> {
         let Self { omega, rest, modal, rate, .. } = self;
         let (modal, rate) = (&mut modal[begin..], &mut rate[begin..]);
         block.march_plain(&mut Wide::<N> { omega: *omega, rest: *rest, modal, rate });
+    }
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn push_all(rows: &mut Rows, states: &[State]) {
+    for state in states {
+        rows.push(state);
     }
 }
 
@@ -83,7 +91,7 @@ impl<const N: usize> Trail for Wide<'_, N> {
 
 /// Rows on a grid.
 struct OnGrid<'a, 'b> {
-    bank: &'a Oscillators,
+    inside: Inside<'a>,
     grid: Grid,
     time: &'a mut [f64],
     rows: &'a mut Rows<'b>,
@@ -91,31 +99,43 @@ struct OnGrid<'a, 'b> {
 }
 
 impl OnGrid<'_, '_> {
-    #[inline(always)]
     fn push(&mut self, time: f64, state: &State) {
         self.time[self.rows.count] = time;
         self.rows.push(state);
     }
 }
 
-/// Rows between a segment's ends.
-#[multiversion(targets("x86_64+avx2"))]
-fn fill(rows: &mut OnGrid, segment: &Segment, begin: f64, end: f64) {
-    let parts = ((end - begin) / rows.grid.step).ceil();
-    let (inside, bank) = (segment.inside(), rows.bank);
-    for part in 1..parts as usize {
-        if !rows.watch.go_on(1) {
-            return;
+impl OnGrid<'_, '_> {
+    /// Rows between a segment's ends.
+    fn fill(&mut self, segment: &Segment, begin: f64, end: f64) {
+        let parts = ((end - begin) / self.grid.step).ceil();
+        let mut part = 1;
+        while part < parts as usize {
+            let count = (parts as usize - part).min(AT_ONCE);
+            if !self.watch.go_on(count as u32) {
+                return;
+            }
+            let first = self.rows.count;
+            for (row, time) in self.time[first..first + count].iter_mut().enumerate() {
+                *time = begin + (end - begin) * ((part + row) as f64 / parts);
+            }
+            self.look(segment, count);
+            part += count;
         }
-        let between = begin + (end - begin) * (part as f64 / parts);
-        rows.push(between, &inside.state_at(bank, between));
+        // The end of the grid, or the last instant before a vertical step: the step's own time
+        // shows the other side.
+        let over = segment.end > end;
+        let last = if over { end } else { end.next_down() };
+        if last > begin && (over || segment.ends_at_step()) {
+            self.time[self.rows.count] = last;
+            self.look(segment, 1);
+        }
     }
-    // The end of the grid, or the last instant before a vertical step: the step's own time
-    // shows the other side.
-    let over = segment.end > end;
-    let last = if over { end } else { end.next_down() };
-    if last > begin && (over || segment.ends_at_step()) {
-        rows.push(last, &segment.state_at(last));
+
+    /// Rows at the next times.
+    fn look(&mut self, segment: &Segment, count: usize) {
+        let first = self.rows.count;
+        push_all(self.rows, self.inside.states(segment, &self.time[first..first + count]));
     }
 }
 
@@ -127,7 +147,7 @@ impl Visitor for OnGrid<'_, '_> {
         if begin < segment.end && begin <= self.grid.end {
             self.push(begin, segment.state());
             let end = segment.end.min(self.grid.end);
-            fill(self, segment, begin, end);
+            self.fill(segment, begin, end);
         }
     }
 
@@ -176,7 +196,7 @@ fn march_into(rows: &mut Rows, block: &mut Block) {
     }
 }
 
-/// Rows at given times: `write` gets the segment, the row and the time.
+/// Rows at given times: `write` gets the segment, the first row and the times in a row.
 struct AtTimes<'a, W> {
     times: &'a [f64],
     row: usize,
@@ -184,14 +204,16 @@ struct AtTimes<'a, W> {
     watch: Watch<'a>,
 }
 
-impl<W: FnMut(&Segment, usize, f64)> Visitor for AtTimes<'_, W> {
+impl<W: FnMut(&Segment, usize, &[f64])> Visitor for AtTimes<'_, W> {
     fn visit(&mut self, segment: &Segment) {
-        while let Some(&time) = self.times.get(self.row).filter(|&&time| time < segment.end) {
-            if !self.watch.go_on(1) {
+        loop {
+            let ahead = self.times[self.row..].iter().take(AT_ONCE);
+            let count = ahead.take_while(|&&time| time < segment.end).count();
+            if count == 0 || !self.watch.go_on(count as u32) {
                 return;
             }
-            (self.write)(segment, self.row, time);
-            self.row += 1;
+            (self.write)(segment, self.row, &self.times[self.row..self.row + count]);
+            self.row += count;
         }
     }
 
@@ -201,20 +223,26 @@ impl<W: FnMut(&Segment, usize, f64)> Visitor for AtTimes<'_, W> {
 }
 
 /// Marches over `times`.
-fn at_times(run: &Run, times: &[f64], pulse: Pulse, write: impl FnMut(&Segment, usize, f64)) -> Result<()> {
+fn at_times(
+    run: &Run,
+    times: &[f64],
+    pulse: Pulse,
+    write: impl FnMut(&Segment, usize, &[f64]),
+) -> Result<()> {
     let mut visitor = AtTimes { times, row: 0, write, watch: Watch::new(pulse) };
     march(run, times.last().copied().unwrap_or(f64::NEG_INFINITY), &mut visitor);
     visitor.watch.outcome
 }
 
 fn sample_grid(run: &Run, grid: Grid, time: &mut [f64], rows: &mut Rows, pulse: Pulse) -> Result<()> {
-    let mut visitor = OnGrid { bank: &run.oscillators, grid, time, rows, watch: Watch::new(pulse) };
+    let mut visitor = OnGrid { inside: Inside::new(run), grid, time, rows, watch: Watch::new(pulse) };
     march(run, grid.end, &mut visitor);
     visitor.watch.outcome
 }
 
 fn sample_times(run: &Run, times: &[f64], rows: &mut Rows, pulse: Pulse) -> Result<()> {
-    at_times(run, times, pulse, |segment, _, time| rows.push(&segment.state_at(time)))
+    let mut inside = Inside::new(run);
+    at_times(run, times, pulse, |segment, _, times| push_all(rows, inside.states(segment, times)))
 }
 
 impl Run {
@@ -274,11 +302,14 @@ impl Run {
         let forms = Form::all(self, quantity);
         let mut heights = Heights::new(self, &forms);
         let width = forms.len();
-        at_times(self, times, pulse, |segment, row, time| {
-            let state = segment.state_at(time);
-            heights.read(segment, time);
-            for (value, form) in out[row * width..].iter_mut().zip(&forms) {
-                *value = form.value(&state) + form.line(segment, &heights).start;
+        let mut inside = Inside::new(self);
+        at_times(self, times, pulse, |segment, row, times| {
+            let rows = out[row * width..].chunks_exact_mut(width);
+            for ((row, state), &time) in rows.zip(inside.states(segment, times)).zip(times) {
+                heights.read(segment, time);
+                for (value, form) in row.iter_mut().zip(&forms) {
+                    *value = form.value(state) + form.line(segment, &heights).start;
+                }
             }
         })?;
         check_finite("a result", times, out, width)
@@ -289,10 +320,13 @@ impl Run {
     /// # Errors
     /// What `pulse` gives.
     pub fn elevations(&self, times: &[f64], out: &mut [f64], pulse: Pulse) -> Result<()> {
-        at_times(self, times, pulse, |segment, row, time| {
-            for (value, &track) in out[row * self.track_of.len()..].iter_mut().zip(&self.track_of) {
-                let (base, climb) = segment.elevation(track, time);
-                *value = base + climb;
+        let width = self.track_of.len();
+        at_times(self, times, pulse, |segment, row, times| {
+            for (row, &time) in out[row * width..].chunks_exact_mut(width).zip(times) {
+                for (value, &track) in row.iter_mut().zip(&self.track_of) {
+                    let (base, climb) = segment.elevation(track, time);
+                    *value = base + climb;
+                }
             }
         })
     }

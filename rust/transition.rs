@@ -74,6 +74,11 @@ pub struct Drive {
     pub gamma: Lanes,
 }
 
+impl State {
+    /// At rest where it starts.
+    pub const REST: Self = Self { d: Lanes::ZERO, v: Lanes::ZERO, p: Lanes::ZERO };
+}
+
 impl Transition {
     /// Carries a state over the segment while the static position moves at rate `beta`.
     #[inline(always)]
@@ -150,7 +155,7 @@ impl Oscillators {
     #[must_use]
     pub fn over(&self, dt: f64) -> Transition {
         let (doublings, dt) = self.halved(dt);
-        let mut step = self.step::<TERMS>(dt);
+        let mut step = self.step::<TERMS>(Lanes::all(dt));
         for _ in 0..doublings {
             step = self.doubled(&step);
         }
@@ -164,6 +169,45 @@ impl Oscillators {
         (doublings, dt * power_of_half(doublings))
     }
 
+    /// Longest power of two that is at most a radian of the stiffest mode, and its inverse.
+    #[inline(always)]
+    fn stride(&self) -> (f64, f64) {
+        let exponent = (self.stiffest.to_bits() >> 52) & 0x7ff;
+        let power = |exponent: u64| f64::from_bits(exponent << 52);
+        (power(2045 - exponent), power(exponent + 1))
+    }
+
+    /// A time as whole strides and what is left, both exact.
+    #[inline(always)]
+    pub(crate) fn strides(&self, dt: f64) -> (f64, f64) {
+        let (stride, inverse) = self.stride();
+        let count = (dt * inverse).floor();
+        (count, dt - count * stride)
+    }
+
+    /// The transition over one stride.
+    pub(crate) fn over_stride(&self) -> Transition {
+        self.over_parts(Lanes::all(self.stride().0))
+    }
+
+    /// The transition over at most a stride, a time a lane.
+    #[inline(always)]
+    pub(crate) fn over_parts(&self, dt: Lanes) -> Transition {
+        self.step::<TERMS>(dt)
+    }
+
+    /// One of its oscillators in every lane: for several times side by side.
+    pub(crate) fn alone(&self, lane: usize) -> Self {
+        let alone = |lanes: &Lanes| Lanes::all(lanes[lane]);
+        Self {
+            omega: alone(&self.omega),
+            two_zeta: alone(&self.two_zeta),
+            stiffest: self.stiffest,
+            taylor_g: self.taylor_g.each_ref().map(alone),
+            taylor_k: self.taylor_k.each_ref().map(alone),
+        }
+    }
+
     /// Whether [`over_short`](Self::over_short) will do.
     #[inline(always)]
     #[must_use]
@@ -175,12 +219,12 @@ impl Oscillators {
     #[inline(always)]
     #[must_use]
     pub fn over_short(&self, dt: f64) -> Transition {
-        self.step::<SHORT_TERMS>(dt)
+        self.step::<SHORT_TERMS>(Lanes::all(dt))
     }
 
-    /// The transition over a time of at most a radian, by `N` terms of the series.
+    /// The transition over times of at most a radian, one a lane, by `N` terms of the series.
     #[inline(always)]
-    fn step<const N: usize>(&self, dt: f64) -> Transition {
+    fn step<const N: usize>(&self, dt: Lanes) -> Transition {
         let x = self.omega * dt;
         let square = x * x;
         let g = square * evaluate::<N>(&self.taylor_g, x, square);
@@ -192,7 +236,7 @@ impl Oscillators {
 
     /// The transition over twice the time.
     #[inline(always)]
-    fn doubled(&self, Transition { g, s, w, h, k }: &Transition) -> Transition {
+    pub(crate) fn doubled(&self, Transition { g, s, w, h, k }: &Transition) -> Transition {
         let two = Lanes::all(2.0);
         let square = *s * *s;
         let k = two * *k + *g * (*s + *h);

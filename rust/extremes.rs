@@ -7,10 +7,14 @@
 //! would pair the size of the slow one with the derivatives of the fast one.)
 //!
 //! * |F″| ≤ M₂ = Σ c₂ r, so F stays below its larger end + M₂h²/8. Nearly every segment of a
-//!   finely sampled profile is dismissed by this one test.
+//!   finely sampled profile is dismissed by this one test. Where F″ is known at both ends, it is
+//!   also at most (|F″(0)| + |F″(h)| + M₃h)/2, which may be much less.
 //! * F″ of one sign at both ends, |F″(0)| + |F″(h)| > M₃h: of one sign throughout, so at most one
-//!   turning point, found by Newton's method.
+//!   turning point, found by Newton's method where the tangents at the ends meet high enough.
 //! * F′ of one sign at both ends, |F′(0)| + |F′(h)| > M₂h: no turning point at all.
+//! * F‴ of one sign at both ends, |F‴(0)| + |F‴(h)| > M₄h: of one sign throughout, so F″ does not
+//!   change its sign if its ends have the same or one is zero. So do loads start that a gear
+//!   elsewhere sets off: as the cube of time.
 //!
 //! A piece that none of these decides is halved. Pieces are at most one radian of the fastest
 //! mode long, so a level stretch with a hundred cycles is searched cycle by cycle, as far as
@@ -30,6 +34,9 @@ use crate::watch::{Pulse, Watch};
 /// A value this close to the record (in units in the last place of the range) ties with it:
 /// of equal peaks the first counts.
 const TIE: f64 = 4.0 * f64::EPSILON;
+
+/// What sums of products are off by, as a share of the sum of magnitudes.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Pieces of a long segment whose ends are known before any is searched: a few cycles.
 const BATCH: usize = 32;
@@ -156,12 +163,16 @@ pub(crate) struct Output {
     slope: [Lanes; 2],
     /// Weights of y and ẏ/ω in F″.
     pub bend: [Lanes; 2],
+    /// Weights of y and ẏ/ω in F‴.
+    jerk: [Lanes; 2],
     /// Σ amplitude · r bounds the oscillating part.
     pub amplitude: Pair,
     /// Σ second · r bounds |F″|.
     pub second: Pair,
     /// Σ third · r bounds |F‴|.
     third: Pair,
+    /// Σ fourth · r bounds |F⁗|.
+    fourth: Pair,
     pub line: Line,
     pub record: Extreme,
 }
@@ -182,7 +193,8 @@ impl Output {
         let slope = derive(weights);
         let bend = derive(slope);
         let mut amplitude = length(weights);
-        let (mut second, mut third) = (length(bend), length(derive(bend)));
+        let jerk = derive(bend);
+        let (mut second, mut third, mut fourth) = (length(bend), length(jerk), length(derive(jerk)));
         for i in 0..LANES {
             for (part, rate) in rates(bank.two_zeta[i]).into_iter().flatten().enumerate() {
                 let size = (form.d[i] - form.v[i] * rate).abs();
@@ -190,12 +202,13 @@ impl Output {
                 amplitude.0[part][i] = size;
                 second.0[part][i] = size * rate * rate;
                 third.0[part][i] = size * rate * rate * rate;
+                fourth.0[part][i] = size * rate * rate * rate * rate;
             }
         }
         let record =
             Extreme { max: f64::NEG_INFINITY, time_of_max: 0.0, min: f64::INFINITY, time_of_min: 0.0 };
         let line = Line { start: form.constant, rate: 0.0 };
-        Self { form, slope, bend, amplitude, second, third, line, record }
+        Self { form, slope, bend, jerk, amplitude, second, third, fourth, line, record }
     }
 
     /// Offers the value at a state `tau` after `time`, where the line starts.
@@ -281,19 +294,32 @@ impl Climb<'_> {
         self.offer(f1, tau + h);
         let r = self.lengths.of(departure(self.bank, self.drive, from));
         let (second, third) = (self.output.second.dot(r), self.output.third.dot(r));
-        if f0.max(f1) + second * h * h / 8.0 <= self.best + self.slack {
+        let steepest = second.min(0.5 * (bend0.abs() + bend1.abs() + third * h));
+        let enough = self.best + self.slack;
+        if f0.max(f1) + steepest * h * h / 8.0 <= enough || one_sign(slope0, slope1, steepest * h) {
             return true;
         }
-        // A function that changes no faster than `rate` and is far enough from zero at both ends
-        // has no zero between them.
-        let one_sign = |a: f64, b: f64, rate: f64| a * b > 0.0 && a.abs() + b.abs() > rate * h;
-        if one_sign(bend0, bend1, third) {
-            if slope0 > 0.0 && slope1 < 0.0 {
+        let rounding = ROUNDING * second;
+        let same = (bend0 <= rounding && bend1 <= rounding) || (bend0 >= -rounding && bend1 >= -rounding);
+        if one_sign(bend0, bend1, third * h) || (same && self.bends_one_way(from, to, r, h)) {
+            // F is below its tangents: the one at the start, up to where it meets that at the end.
+            let meet = (f1 - f0 - slope1 * h) / (slope0 - slope1);
+            if slope0 > 0.0 && slope1 < 0.0 && f0 + slope0 * meet > enough {
                 self.summit(from, tau, h, crossing([slope0, slope1], [bend0 * h, bend1 * h]));
             }
             return true;
         }
-        one_sign(slope0, slope1, second)
+        false
+    }
+
+    /// Whether F‴ has one sign.
+    fn bends_one_way(&self, from: &State, to: &State, r: Pair, h: f64) -> bool {
+        let [y, w] = self.output.jerk;
+        let jerk = |state| {
+            let departure = departure(self.bank, self.drive, state);
+            y.dot(departure.0) + w.dot(departure.1)
+        };
+        one_sign(jerk(from), jerk(to), self.output.fourth.dot(r) * h)
     }
 
     /// The one zero of F′ in a piece on which F is concave: Newton's method in a bracket.
@@ -322,6 +348,12 @@ impl Climb<'_> {
             }
         }
     }
+}
+
+/// Whether a function that changes by no more than `change` has one sign between two values.
+#[inline(always)]
+fn one_sign(a: f64, b: f64, change: f64) -> bool {
+    a * b > 0.0 && a.abs() + b.abs() > change
 }
 
 /// Where a function that falls through zero on [0, 1] does so, by the cubic that its inverse

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
-use numpy::ndarray::{Array3, ArrayView1};
+use numpy::ndarray::{Array3, ArrayView1, Dim, Dimension, IntoDimension};
 use numpy::{
-    PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyReadwriteArray1,
-    PyReadwriteArray2, PyReadwriteArray3,
+    PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyReadonlyArray3, PyReadwriteArray3,
 };
 use pyo3::create_exception;
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
@@ -179,9 +179,7 @@ impl Profile {
     fn view<'py>(slf: &Bound<'py, Self>, values: &[f64]) -> Bound<'py, PyArray1<f64>> {
         // SAFETY: `values` lies in the Arc that `slf` holds; the class is frozen, the profile
         // never changes, and the array keeps `slf` alive as its base.
-        let array = unsafe { PyArray1::borrow_from_array(&ArrayView1::from(values), slf.clone().into_any()) };
-        let _ = numpy::PyArrayMethods::readwrite(&array).make_nonwriteable();
-        array
+        read_only(unsafe { PyArray1::borrow_from_array(&ArrayView1::from(values), slf.clone().into_any()) })
     }
 }
 
@@ -228,8 +226,30 @@ impl Profile {
     }
 }
 
-/// Loads as rows, accelerations as pairs: see [`Run::extremes`].
-type Extremes<'py> = (Bound<'py, PyArray2<f64>>, Vec<(f64, f64)>);
+/// See [`Run::extremes`].
+type Extremes<'py> = ([Bound<'py, PyArray1<f64>>; 4], Vec<f64>, Vec<f64>);
+
+/// See [`Run::sample`].
+type Sampled<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+/// See [`Run::states`].
+type States<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+/// A new array whose values are yet to be written.
+fn blank<const N: usize>(py: Python, shape: [usize; N]) -> Bound<PyArray<f64, Dim<[usize; N]>>>
+where
+    [usize; N]: IntoDimension<Dim = Dim<[usize; N]>>,
+    Dim<[usize; N]>: Dimension,
+{
+    // SAFETY: any bits are an f64; all are written before a value is read.
+    unsafe { PyArray::new(py, shape, false) }
+}
+
+/// Marks an array that belongs to a result as read-only.
+fn read_only<D: Dimension>(array: Bound<'_, PyArray<f64, D>>) -> Bound<'_, PyArray<f64, D>> {
+    let _ = array.readwrite().make_nonwriteable();
+    array
+}
 
 #[pyclass(frozen, module = "runway_modal._core")]
 struct Run(run::Run);
@@ -246,81 +266,91 @@ impl Run {
         self.0.speed()
     }
 
-    fn check_times(&self, times: PyReadonlyArray1<f64>) -> PyResult<()> {
-        Ok(self.0.check_times(times.as_slice()?)?)
-    }
-
-    /// No more rows than this come from `sample`.
+    /// Default times, modal displacements and rates there.
     #[pyo3(signature = (duration))]
-    fn most_samples(&self, duration: Option<f64>) -> PyResult<usize> {
-        Ok(self.0.grid(duration)?.most)
+    fn sample<'py>(&self, py: Python<'py>, duration: Option<f64>) -> PyResult<Sampled<'py>> {
+        let (grid, columns) = (self.0.grid(duration)?, self.0.modes().omega().len());
+        // How many rows there are is known when they are there: the arrays are shrunk in place,
+        // and what they did not use was never touched.
+        let time = blank(py, [grid.most]);
+        let (modal, rate) = (blank(py, [grid.most, columns]), blank(py, [grid.most, columns]));
+        let rows = {
+            let (mut time, mut modal, mut rate) = (time.readwrite(), modal.readwrite(), rate.readwrite());
+            let (time, modal, rate) = (time.as_slice_mut()?, modal.as_slice_mut()?, rate.as_slice_mut()?);
+            detached(py, |pulse| self.0.sample(grid, time, modal, rate, pulse))?
+        };
+        // SAFETY: the borrows have ended, and nobody else knows of the arrays yet.
+        unsafe {
+            time.resize([rows])?;
+            modal.resize([rows, columns])?;
+            rate.resize([rows, columns])?;
+        }
+        Ok((read_only(time), read_only(modal), read_only(rate)))
     }
 
-    /// Fills the arrays with the default rows; gives their number.
-    #[pyo3(signature = (duration, time, modal, rate))]
-    fn sample(
-        &self,
-        py: Python,
-        duration: Option<f64>,
-        mut time: PyReadwriteArray1<f64>,
-        mut modal: PyReadwriteArray2<f64>,
-        mut rate: PyReadwriteArray2<f64>,
-    ) -> PyResult<usize> {
-        let grid = self.0.grid(duration)?;
-        let (time, modal, rate) = (time.as_slice_mut()?, modal.as_slice_mut()?, rate.as_slice_mut()?);
-        detached(py, |pulse| self.0.sample(grid, time, modal, rate, pulse))
-    }
-
-    fn states(
-        &self,
-        py: Python,
-        times: PyReadonlyArray1<f64>,
-        mut modal: PyReadwriteArray2<f64>,
-        mut rate: PyReadwriteArray2<f64>,
-    ) -> PyResult<()> {
-        let (times, modal, rate) = (times.as_slice()?, modal.as_slice_mut()?, rate.as_slice_mut()?);
-        detached(py, |pulse| self.0.states(times, modal, rate, pulse))
+    /// Modal displacements and rates.
+    fn states<'py>(&self, py: Python<'py>, times: PyReadonlyArray1<f64>) -> PyResult<States<'py>> {
+        let times = times.as_slice()?;
+        self.0.check_times(times)?;
+        let shape = [times.len(), self.0.modes().omega().len()];
+        let (modal, rate) = (blank(py, shape), blank(py, shape));
+        {
+            let (mut modal, mut rate) = (modal.readwrite(), rate.readwrite());
+            let (modal, rate) = (modal.as_slice_mut()?, rate.as_slice_mut()?);
+            detached(py, |pulse| self.0.states(times, modal, rate, pulse))?;
+        }
+        Ok((read_only(modal), read_only(rate)))
     }
 
     /// `quantity`: "cg", "cg_rate", "cg_acceleration", "gear_displacement", "load", "elevation",
-    /// or "acceleration" at `stations`.
-    fn read(
+    /// or "acceleration" at `stations`. A column a coordinate, gear or station.
+    fn read<'py>(
         &self,
-        py: Python,
+        py: Python<'py>,
         quantity: &str,
-        stations: PyReadonlyArray2<f64>,
+        stations: Vec<(f64, f64)>,
         times: PyReadonlyArray1<f64>,
-        mut out: PyReadwriteArray2<f64>,
-    ) -> PyResult<()> {
-        let (times, out) = (times.as_slice()?, out.as_slice_mut()?);
-        let quantity = match quantity {
-            "elevation" => return detached(py, |pulse| self.0.elevations(times, out, pulse)),
-            "cg" => Quantity::Cg,
-            "cg_rate" => Quantity::CgRate,
-            "cg_acceleration" => Quantity::CgAcceleration,
-            "gear_displacement" => Quantity::GearDisplacement,
-            "load" => Quantity::Load,
-            "acceleration" => Quantity::Acceleration(points(&stations)),
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let times = times.as_slice()?;
+        let gears = self.0.modes().aircraft().gears().len();
+        let (columns, quantity) = match quantity {
+            "elevation" => (gears, None),
+            "cg" => (3, Some(Quantity::Cg)),
+            "cg_rate" => (3, Some(Quantity::CgRate)),
+            "cg_acceleration" => (3, Some(Quantity::CgAcceleration)),
+            "gear_displacement" => (gears, Some(Quantity::GearDisplacement)),
+            "load" => (gears, Some(Quantity::Load)),
+            "acceleration" => (stations.len(), Some(Quantity::Acceleration(stations))),
             other => return Err(PyValueError::new_err(format!("no quantity '{other}'"))),
         };
-        detached(py, |pulse| self.0.read(&quantity, times, out, pulse))
+        let values = blank(py, [times.len(), columns]);
+        {
+            let mut out = values.readwrite();
+            let out = out.as_slice_mut()?;
+            detached(py, |pulse| match &quantity {
+                None => self.0.elevations(times, out, pulse),
+                Some(quantity) => self.0.read(quantity, times, out, pulse),
+            })?;
+        }
+        Ok(read_only(values))
     }
 
-    /// Loads: rows max, time of max, min, time of min; a column a gear. Accelerations: largest
-    /// magnitude and its time, a pair a station.
+    /// Loads: max, time of max, min, time of min, an entry a gear. Accelerations: largest
+    /// magnitudes and their times, an entry a station.
     fn extremes<'py>(
         &self,
         py: Python<'py>,
-        stations: PyReadonlyArray2<f64>,
+        stations: Vec<(f64, f64)>,
         begin: f64,
         end: f64,
     ) -> PyResult<Extremes<'py>> {
-        let quantities = [Quantity::Load, Quantity::Acceleration(points(&stations))];
+        let quantities = [Quantity::Load, Quantity::Acceleration(stations)];
         let found = detached(py, |pulse| self.0.extremes(&quantities, (begin, end), pulse))?;
         let (loads, accelerations) = found.split_at(self.0.modes().aircraft().gears().len());
-        let row = |part: fn(&Extreme) -> f64| loads.iter().map(part).collect();
-        let rows = [row(|e| e.max), row(|e| e.time_of_max), row(|e| e.min), row(|e| e.time_of_min)];
-        Ok((matrix(py, &rows)?, accelerations.iter().map(Extreme::magnitude).collect()))
+        let parts: [fn(&Extreme) -> f64; 4] = [|e| e.max, |e| e.time_of_max, |e| e.min, |e| e.time_of_min];
+        let loads = parts.map(|part| read_only(PyArray1::from_iter(py, loads.iter().map(part))));
+        let (values, times) = accelerations.iter().map(Extreme::magnitude).unzip();
+        Ok((loads, values, times))
     }
 }
 

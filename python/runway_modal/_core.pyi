@@ -99,31 +99,18 @@ class Run:
         cls, modes: Modes, profiles: list[Profile], speed: float, damping_input: bool
     ) -> Run: ...
     def speed(self) -> float: ...
-    def check_times(self, times: NDArray[np.float64]) -> None: ...
-    def most_samples(self, duration: float | None) -> int: ...
     def sample(
-        self,
-        duration: float | None,
-        time: NDArray[np.float64],
-        modal: NDArray[np.float64],
-        rate: NDArray[np.float64],
-    ) -> int: ...
+        self, duration: float | None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
     def states(
-        self,
-        times: NDArray[np.float64],
-        modal: NDArray[np.float64],
-        rate: NDArray[np.float64],
-    ) -> None: ...
+        self, times: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
     def read(
-        self,
-        quantity: str,
-        stations: NDArray[np.float64],
-        times: NDArray[np.float64],
-        out: NDArray[np.float64],
-    ) -> None: ...
+        self, quantity: str, stations: list[tuple[float, float]], times: NDArray[np.float64]
+    ) -> NDArray[np.float64]: ...
     def extremes(
-        self, stations: NDArray[np.float64], begin: float, end: float
-    ) -> tuple[NDArray[np.float64], list[tuple[float, float]]]: ...
+        self, stations: list[tuple[float, float]], begin: float, end: float
+    ) -> tuple[list[NDArray[np.float64]], list[float], list[float]]: ...
 
 @final
 class Course:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 def number(argument: str, value: Any) -> float:
     """Pass one real number as a float."""
+    if type(value) is float:
+        return value
     try:
         kind = value.dtype.kind if isinstance(value, np.ndarray | np.generic) else ""
         # float() would read strings and drop imaginary parts and masks.

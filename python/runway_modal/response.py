@@ -104,38 +104,24 @@ class Response(Shown):
     ) -> None:
         self._run = run
         self.modes = modes
-        columns = modes.omega.size
+        self._extremes: Extremes | None = None
         if times is None:
-            # How many rows there are is known when they are there: the arrays are shrunk in
-            # place, and what they did not use was never touched.
-            most = run.most_samples(duration)
-            time, modal, rate = np.empty(most), np.empty((most, columns)), np.empty((most, columns))
-            rows = run.sample(duration, time, modal, rate)
-            time.resize(rows, refcheck=False)
-            modal.resize((rows, columns), refcheck=False)
-            rate.resize((rows, columns), refcheck=False)
+            self.time, self.modal, self.modal_rate = run.sample(duration)
         else:
             time = array("times", np.atleast_1d(any_array("times", times))).copy()
-            run.check_times(time)
-            modal, rate = np.empty((time.size, columns)), np.empty((time.size, columns))
-            run.states(time, modal, rate)
-        self.time = read_only(time)
-        self.modal = read_only(modal)
-        self.modal_rate = read_only(rate)
+            self.modal, self.modal_rate = run.states(time)
+            self.time = read_only(time)
 
     @property
     def aircraft(self) -> Aircraft:
         """The aircraft of the run."""
         return self.modes.aircraft
 
-    def _read(self, quantity: str, columns: int) -> NDArray[np.float64]:
-        out = np.empty((self.time.size, columns))
-        self._run.read(quantity, self._stations, self.time, out)
-        return read_only(out)
+    def _read(self, quantity: str) -> NDArray[np.float64]:
+        return self._run.read(quantity, self._stations(), self.time)
 
-    @cached_property
-    def _stations(self) -> NDArray[np.float64]:
-        return np.array(list(self.aircraft.stations.values()))
+    def _stations(self) -> list[tuple[float, float]]:
+        return list(self.aircraft.stations.values())
 
     @cached_property
     def distance(self) -> NDArray[np.float64]:
@@ -145,39 +131,40 @@ class Response(Shown):
     @cached_property
     def cg(self) -> NDArray[np.float64]:
         """Bounce, pitch and roll at the centre of gravity, shape (n, 3) [length, rad] (Eq. 19)."""
-        return self._read("cg", 3)
+        return self._read("cg")
 
     @cached_property
     def cg_rate(self) -> NDArray[np.float64]:
         """Their rates, shape (n, 3) [length/time, rad/time]."""
-        return self._read("cg_rate", 3)
+        return self._read("cg_rate")
 
     @cached_property
     def cg_acceleration(self) -> NDArray[np.float64]:
         """Their accelerations, shape (n, 3) [length/time², rad/time²]."""
-        return self._read("cg_acceleration", 3)
+        return self._read("cg_acceleration")
 
     @cached_property
     def gear_displacement(self) -> NDArray[np.float64]:
         """Vertical displacement of the body at each gear, shape (n, g) [length] (Eq. 20)."""
-        return self._read("gear_displacement", len(self.aircraft.gears))
+        return self._read("gear_displacement")
 
     @cached_property
     def elevation(self) -> NDArray[np.float64]:
         """Elevation under each gear, shape (n, g) [length]; at a vertical step, after it."""
-        return self._read("elevation", len(self.aircraft.gears))
+        return self._read("elevation")
 
     @cached_property
     def load(self) -> NDArray[np.float64]:
         """Compression load of each gear, static load included, shape (n, g) [force] (Eq. 21)."""
-        return self._read("load", len(self.aircraft.gears))
+        return self._read("load")
 
     @cached_property
     def acceleration(self) -> dict[str, NDArray[np.float64]]:
         """Vertical acceleration at each station, each of shape (n,) [length/time²]."""
-        names = list(self.aircraft.stations)
-        columns = self._read("acceleration", len(names))
-        return {name: read_only(columns[:, i].copy()) for i, name in enumerate(names)}
+        columns = self._read("acceleration")
+        return {
+            name: read_only(columns[:, i].copy()) for i, name in enumerate(self.aircraft.stations)
+        }
 
     @property
     def static_load(self) -> NDArray[np.float64]:
@@ -242,23 +229,21 @@ class Response(Shown):
         >>> bool((response.extremes().max_load >= response.load.max(axis=0)).all())
         True
         """
+        if self._extremes is None:
+            self._extremes = self._find_extremes()
         return self._extremes
 
-    @cached_property
-    def _extremes(self) -> Extremes:
+    def _find_extremes(self) -> Extremes:
         begin, end = float(self.time[0]), float(self.time[-1])
-        loads, accelerations = self._run.extremes(self._stations, begin, end)
-        max_load, time_of_max, min_load, time_of_min = read_only(loads)
+        loads, accelerations, times = self._run.extremes(self._stations(), begin, end)
         stations = self.aircraft.stations
         return Extremes(
-            max_load=max_load,
-            time_of_max=time_of_max,
-            min_load=min_load,
-            time_of_min=time_of_min,
-            max_acceleration={n: a for n, (a, _) in zip(stations, accelerations, strict=True)},
-            time_of_max_acceleration={
-                n: t for n, (_, t) in zip(stations, accelerations, strict=True)
-            },
+            max_load=loads[0],
+            time_of_max=loads[1],
+            min_load=loads[2],
+            time_of_min=loads[3],
+            max_acceleration=dict(zip(stations, accelerations, strict=True)),
+            time_of_max_acceleration=dict(zip(stations, times, strict=True)),
         )
 
     def __repr__(self) -> str:

@@ -85,7 +85,7 @@ def simulate(
     """
     if not isinstance(modes, Modes):
         raise InputError(f"modes = {modes!r} is not a Modes; see Aircraft.modes")
-    if not isinstance(damping_input, bool | np.bool_):
+    if not isinstance(damping_input, (bool, np.bool_)):
         raise InputError(f"damping_input = {damping_input!r} is not True or False")
     profiles = [profile._core for profile in _by_gear(modes.aircraft.gear_names, tracks)]
     run = _core.Run(modes._core, profiles, number("speed", speed), bool(damping_input))

@@ -5,7 +5,7 @@ use multiversion::multiversion;
 
 use crate::knots::{Knots, SLOTS};
 use crate::lanes::Lanes;
-use crate::run::Run;
+use crate::run::{Run, Track};
 use crate::transition::{Drive, Oscillators, State, Transition};
 
 /// Transitions by the bits of their Δt, a block's worth. Nominally equal segments differ by the
@@ -65,6 +65,9 @@ impl Kept {
         &self.transition[usize::from(place)]
     }
 }
+
+/// Rows a round of the march; a block's segments are a whole number of rounds.
+const ROUND: usize = 7;
 
 /// A block of knots and the transitions between them: all that can be known without a state.
 #[derive(Clone, Debug)]
@@ -127,23 +130,57 @@ impl<'a> Path<'a> {
     /// `N` tracks, all for `N` = 0.
     #[inline(always)]
     fn follow_tracks<const N: usize>(&self, from: State, trail: &mut impl Trail) -> State {
-        let Self { run, knots, .. } = self;
-        let tracks = &run.tracks[..if N == 0 { run.tracks.len() } else { N }];
-        let few: [&[f64]; N] = std::array::from_fn(|track| tracks[track].profile.slopes());
+        let few: [Line; N] = std::array::from_fn(|track| self.line(track));
+        let many: Vec<Line>;
+        let lines = if N == 0 {
+            many = (0..self.run.tracks.len()).map(|track| self.line(track)).collect();
+            &many[..]
+        } else {
+            &few[..]
+        };
         // Opaque, so that the compiler keeps lanes together in the loop: otherwise it shuffles them,
-        // 51 vector instructions a row in place of 22.
+        // 51 vector instructions a row in place of 22. The price is a way through memory from one
+        // round to the next.
         let mut now = std::hint::black_box(from);
-        for slot in 1..knots.len {
-            trail.see(slot - 1, &now);
-            let mut beta = Lanes::ZERO;
-            for track in 0..tracks.len() {
-                let slopes = if N == 0 { tracks[track].profile.slopes() } else { few[track] };
-                beta += tracks[track].climb * slopes[knots.passed[track][slot - 1]];
+        let mut slot = 1;
+        while slot + ROUND <= self.knots.len {
+            let mut here = now;
+            for row in 0..ROUND {
+                here = self.turn(lines, slot + row, &here, trail);
             }
-            now = self.transition(slot).follow(&now, beta);
+            now = here;
+            slot += ROUND;
+        }
+        for slot in slot..self.knots.len {
+            now = self.turn(lines, slot, &now, trail);
         }
         now
     }
+
+    #[inline(always)]
+    fn line(&self, track: usize) -> Line<'_> {
+        let Self { run, knots, .. } = self;
+        let Track { climb, profile, .. } = &run.tracks[track];
+        Line { climb: *climb, slopes: profile.slopes(), passed: &knots.passed[track] }
+    }
+
+    /// From the knot before a slot to that of the slot.
+    #[inline(always)]
+    fn turn(&self, lines: &[Line], slot: usize, from: &State, trail: &mut impl Trail) -> State {
+        trail.see(slot - 1, from);
+        let mut beta = Lanes::ZERO;
+        for Line { climb, slopes, passed } in lines {
+            beta += *climb * slopes[passed[slot - 1]];
+        }
+        self.transition(slot).follow(from, beta)
+    }
+}
+
+/// What one track adds to the drive.
+struct Line<'a> {
+    climb: Lanes,
+    slopes: &'a [f64],
+    passed: &'a [usize; SLOTS],
 }
 
 /// Finds the transitions of a block.

@@ -21,6 +21,7 @@ pub struct Profile {
     slopes: Vec<f64>,
     steps: usize,
     finest: f64,
+    coarsest: f64,
     range: f64,
 }
 
@@ -50,7 +51,7 @@ impl Profile {
             }
         }
         let mut slopes = vec![0.0; x.len() + 1];
-        let mut finest = f64::INFINITY;
+        let (mut finest, mut coarsest) = (f64::INFINITY, 0.0_f64);
         for i in 1..x.len() {
             let (run, rise) = (x[i] - x[i - 1], z[i] - z[i - 1]);
             if !run.is_finite() {
@@ -64,6 +65,7 @@ impl Profile {
             if run > 0.0 {
                 slopes[i] = rise / run;
                 finest = finest.min(run);
+                coarsest = coarsest.max(run);
             }
             if slopes[i].abs() > STEEPEST {
                 let place = Place::at("z", i);
@@ -73,13 +75,14 @@ impl Profile {
         let steps = x.windows(2).filter(|pair| pair[1] <= pair[0]).count();
         let extreme = |pick: fn(f64, f64) -> f64| z.iter().copied().reduce(pick).unwrap_or(0.0);
         let range = extreme(f64::max) - extreme(f64::min);
-        Ok(Self { x, z, slopes, steps, finest, range })
+        Ok(Self { x, z, slopes, steps, finest, coarsest, range })
     }
 
     /// A level runway.
     #[must_use]
     pub fn level() -> Self {
-        Self { x: vec![0.0], z: vec![0.0], slopes: vec![0.0; 2], steps: 0, finest: f64::INFINITY, range: 0.0 }
+        let (finest, coarsest) = (f64::INFINITY, 0.0);
+        Self { x: vec![0.0], z: vec![0.0], slopes: vec![0.0; 2], steps: 0, finest, coarsest, range: 0.0 }
     }
 
     /// A smooth bump z = h/2 (1 − cos 2πx/L) as chords between `segments` + 1 equidistant points.
@@ -130,6 +133,16 @@ impl Profile {
     /// Shortest distance between two stations, infinite on the level.
     pub(crate) fn finest(&self) -> f64 {
         self.finest
+    }
+
+    /// How much of the distance between two neighbouring stations is in spans longer than `least`,
+    /// and how many these are.
+    pub(crate) fn long_spans(&self, least: f64) -> (f64, usize) {
+        if self.coarsest <= least {
+            return (0.0, 0);
+        }
+        let spans = self.x.windows(2).map(|pair| pair[1] - pair[0]).filter(|&span| span > least);
+        spans.fold((0.0, 0), |(sum, count), span| (sum + span, count + 1))
     }
 
     /// Highest less lowest elevation.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
-use numpy::ndarray::{Array3, ArrayView1, Dim, Dimension, IntoDimension};
+use numpy::ndarray::{Array3, ArrayView, ArrayView1, Dim, Dimension, IntoDimension};
 use numpy::{
     PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyReadonlyArray3, PyReadwriteArray3,
@@ -245,6 +245,27 @@ where
     unsafe { PyArray::new(py, shape, false) }
 }
 
+/// A part of a read-only array in a shape of its own.
+fn part<'py, const N: usize>(
+    base: &Bound<'py, PyArray1<f64>>,
+    begin: usize,
+    shape: [usize; N],
+) -> PyResult<Bound<'py, PyArray<f64, Dim<[usize; N]>>>>
+where
+    [usize; N]: IntoDimension<Dim = Dim<[usize; N]>>,
+    Dim<[usize; N]>: Dimension,
+{
+    let view = {
+        let values = base.readonly();
+        let values = &values.as_slice()?[begin..begin + shape.iter().product::<usize>()];
+        let view = ArrayView::from_shape(shape.into_dimension(), values)
+            .map_err(|error| PyValueError::new_err(error.to_string()))?;
+        // SAFETY: the array keeps `base`, which owns the memory, alive; neither is written to.
+        unsafe { PyArray::borrow_from_array(&view, base.clone().into_any()) }
+    };
+    Ok(read_only(view))
+}
+
 /// Marks an array that belongs to a result as read-only.
 fn read_only<D: Dimension>(array: Bound<'_, PyArray<f64, D>>) -> Bound<'_, PyArray<f64, D>> {
     let _ = array.readwrite().make_nonwriteable();
@@ -270,22 +291,23 @@ impl Run {
     #[pyo3(signature = (duration))]
     fn sample<'py>(&self, py: Python<'py>, duration: Option<f64>) -> PyResult<Sampled<'py>> {
         let (grid, columns) = (self.0.grid(duration)?, self.0.modes().omega().len());
-        // How many rows there are is known when they are there: the arrays are shrunk in place,
-        // and what they did not use was never touched.
-        let time = blank(py, [grid.most]);
-        let (modal, rate) = (blank(py, [grid.most, columns]), blank(py, [grid.most, columns]));
+        // How many rows there are is known when they are there; what they leave of the memory is
+        // never touched. Fetching memory from the system anew would cost a run more than the march:
+        // so the blocks are not shrunk, and the next run asks for just as much, and they are two
+        // rather than three, one with room to spare, as glibc keeps up to twice the largest block.
+        const TO_SPARE: usize = 1 << 14;
+        let most = grid.most;
+        let first = blank(py, [most * (1 + columns) + TO_SPARE]);
+        let second = blank(py, [most * columns]);
         let rows = {
-            let (mut time, mut modal, mut rate) = (time.readwrite(), modal.readwrite(), rate.readwrite());
-            let (time, modal, rate) = (time.as_slice_mut()?, modal.as_slice_mut()?, rate.as_slice_mut()?);
+            let (mut first, mut second) = (first.readwrite(), second.readwrite());
+            let (time, modal) = first.as_slice_mut()?.split_at_mut(most);
+            let rate = second.as_slice_mut()?;
             detached(py, |pulse| self.0.sample(grid, time, modal, rate, pulse))?
         };
-        // SAFETY: the borrows have ended, and nobody else knows of the arrays yet.
-        unsafe {
-            time.resize([rows])?;
-            modal.resize([rows, columns])?;
-            rate.resize([rows, columns])?;
-        }
-        Ok((read_only(time), read_only(modal), read_only(rate)))
+        let (first, second) = (read_only(first), read_only(second));
+        let shape = [rows, columns];
+        Ok((part(&first, 0, [rows])?, part(&first, most, shape)?, part(&second, 0, shape)?))
     }
 
     /// Modal displacements and rates.

@@ -261,8 +261,24 @@ impl Run {
             let own = self.tracks[..index].iter().find_map(|earlier| track.beyond(earlier));
             own.unwrap_or(track.profile.knots().len()) + track.profile.steps()
         };
-        let most = between as usize + self.tracks.iter().enumerate().map(knots).sum::<usize>() + 8;
+        let between = self.tracks.iter().map(|track| self.between(track, begin, end, step));
+        let most = between.min().unwrap_or(0) + self.tracks.iter().enumerate().map(knots).sum::<usize>() + 8;
         Ok(Grid { begin, end, step, most })
+    }
+
+    /// At most so many default time points lie between knots: only where the knots of every track
+    /// are far apart, so also where those of one are.
+    fn between(&self, track: &Track, begin: f64, end: f64, step: f64) -> usize {
+        // Of a span that is a step long but for the rounding of times.
+        const NEARLY: f64 = 0.99;
+        let x = track.profile.knots();
+        let (Some(&first), Some(&last)) = (x.first(), x.last()) else {
+            return ((end - begin) / step) as usize + 1;
+        };
+        let time = |x: f64| track.lag.plus(x).nearest() / self.speed;
+        let (spans, count) = track.profile.long_spans(NEARLY * step * self.speed);
+        let outside = (time(first) - begin).max(0.0) + (end - time(last)).max(0.0);
+        ((outside + spans / self.speed) / step) as usize + count + 2
     }
 
     /// CG coordinates at the start: at rest in equilibrium on the first elevations.

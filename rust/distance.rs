@@ -55,11 +55,18 @@ impl Distance {
         (self.hi - other.hi) + (self.lo - other.lo)
     }
 
+    /// Whether this distance is shorter than another.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_before(self, other: Self) -> bool {
+        self.hi < other.hi || (self.hi == other.hi && self.lo < other.lo)
+    }
+
     /// The shorter of two distances.
     #[inline(always)]
     #[must_use]
     pub fn shorter(self, other: Self) -> Self {
-        if other.hi < self.hi || (other.hi == self.hi && other.lo < self.lo) { other } else { self }
+        if other.is_before(self) { other } else { self }
     }
 
     /// The nearest double.

@@ -36,6 +36,12 @@ impl<'a> Cursor<'a> {
         cursor
     }
 
+    /// Where it meets its next breakpoint.
+    #[inline(always)]
+    fn next(&self) -> Distance {
+        self.ahead.get(self.at % AHEAD)
+    }
+
     #[inline(always)]
     fn look_ahead(&mut self) {
         self.base += self.at;
@@ -210,29 +216,28 @@ fn merge_tracks<const N: usize>(knots: &mut Knots) -> usize {
     while slot < SLOTS {
         // No knot passes more than one breakpoint a track: so many need no look ahead.
         let sure = cursors.iter().map(|cursor| AHEAD - cursor.at).min().unwrap_or(0).min(SLOTS - slot);
-        if together(cursors, sure) {
-            // A grid whose lag is a whole number of spacings, or gears side by side.
-            knots.distance.copy(slot, &cursors[0].ahead, cursors[0].at, sure);
-            for track in 0..tracks {
-                let cursor = &mut cursors[track];
-                let first = cursor.base + cursor.at + 1;
-                for (count, passed) in passed[track][slot..slot + sure].iter_mut().enumerate() {
-                    *passed = first + count;
+        if let Some(first) = together(cursors, sure) {
+            let next = cursors[first].next();
+            knots.distance.copy(slot, &cursors[first].ahead, cursors[first].at, sure);
+            for (cursor, passed) in cursors.iter_mut().zip(&mut *passed) {
+                let (so_far, passes) = (cursor.base + cursor.at, usize::from(cursor.next() == next));
+                for (count, passed) in passed[slot..slot + sure].iter_mut().enumerate() {
+                    *passed = so_far + passes * (count + 1);
                 }
-                cursor.at += sure;
+                cursor.at += passes * sure;
             }
         } else {
             for slot in slot..slot + sure {
                 let mut knot = Distance::INFINITE;
                 for cursor in &*cursors {
-                    knot = knot.shorter(cursor.ahead.get(cursor.at % AHEAD));
+                    knot = knot.shorter(cursor.next());
                 }
                 if knot == Distance::INFINITE {
                     return slot;
                 }
                 for track in 0..tracks {
                     let cursor = &mut cursors[track];
-                    cursor.at += usize::from(cursor.ahead.get(cursor.at % AHEAD) == knot);
+                    cursor.at += usize::from(cursor.next() == knot);
                     passed[track][slot] = cursor.base + cursor.at;
                 }
                 knots.distance.set(slot, knot);
@@ -246,10 +251,21 @@ fn merge_tracks<const N: usize>(knots: &mut Knots) -> usize {
     SLOTS
 }
 
-/// Whether the tracks meet their next `count` breakpoints at the same distances.
+/// The track whose next `count` breakpoints are the next knots of all, if one is: the others meet
+/// theirs where it does, or later. A grid whose lag is a whole number of spacings, gears side by
+/// side, or the stretch that only the foremost or the last gear has bumps on.
 #[inline(always)]
-fn together(cursors: &[Cursor], count: usize) -> bool {
-    let (first, others) = (&cursors[0], &cursors[1..]);
-    first.ahead.get(first.at + count - 1) != Distance::INFINITE
-        && others.iter().all(|cursor| first.ahead.same(first.at, &cursor.ahead, cursor.at, count))
+fn together(cursors: &[Cursor], count: usize) -> Option<usize> {
+    let mut first = 0;
+    for track in 1..cursors.len() {
+        if cursors[track].next().is_before(cursors[first].next()) {
+            first = track;
+        }
+    }
+    let Cursor { ahead, at, .. } = &cursors[first];
+    let last = ahead.get(at + count - 1);
+    let goes_along =
+        |cursor: &Cursor| last.is_before(cursor.next()) || ahead.same(*at, &cursor.ahead, cursor.at, count);
+    let others = cursors.iter().enumerate().filter(|(track, _)| *track != first);
+    (last != Distance::INFINITE && others.map(|(_, cursor)| cursor).all(goes_along)).then_some(first)
 }

@@ -229,6 +229,9 @@ impl Profile {
 /// See [`Run::extremes`].
 type Extremes<'py> = ([Bound<'py, PyArray1<f64>>; 4], Vec<f64>, Vec<f64>);
 
+/// Values to spare in the larger block of results: see [`Run::sample`].
+const TO_SPARE: usize = 1 << 14;
+
 /// See [`Run::sample`].
 type Sampled<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 
@@ -295,7 +298,6 @@ impl Run {
         // never touched. Fetching memory from the system anew would cost a run more than the march:
         // so the blocks are not shrunk, and the next run asks for just as much, and they are two
         // rather than three, one with room to spare, as glibc keeps up to twice the largest block.
-        const TO_SPARE: usize = 1 << 14;
         let most = grid.most;
         let first = blank(py, [most * (1 + columns) + TO_SPARE]);
         let second = blank(py, [most * columns]);

@@ -264,8 +264,12 @@ fn together(cursors: &[Cursor], count: usize) -> Option<usize> {
     }
     let Cursor { ahead, at, .. } = &cursors[first];
     let last = ahead.get(at + count - 1);
-    let goes_along =
-        |cursor: &Cursor| last.is_before(cursor.next()) || ahead.same(*at, &cursor.ahead, cursor.at, count);
-    let others = cursors.iter().enumerate().filter(|(track, _)| *track != first);
-    (last != Distance::INFINITE && others.map(|(_, cursor)| cursor).all(goes_along)).then_some(first)
+    let mut all = last != Distance::INFINITE;
+    for (track, cursor) in cursors.iter().enumerate() {
+        all = all
+            && (track == first
+                || last.is_before(cursor.next())
+                || ahead.same(*at, &cursor.ahead, cursor.at, count));
+    }
+    all.then_some(first)
 }

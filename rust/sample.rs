@@ -179,10 +179,13 @@ impl OnGrid<'_, '_> {
     fn row_a_knot(&self, block: &Block) -> bool {
         let Grid { begin, end, step, .. } = self.grid;
         let times = block.times();
-        let inside = block.start() >= begin && times.last().is_some_and(|&last| last <= end);
-        let starts = std::iter::once(block.start()).chain(times.iter().copied());
-        let wrong = |time: f64, start: f64| (time <= start) | (time - start > step);
-        let no = times.iter().zip(starts).fold(false, |any, (&time, start)| any | wrong(time, start));
+        let (Some(&first), Some(&last)) = (times.first(), times.last()) else { return false };
+        let wrong = |start: f64, time: f64| (time <= start) | (time - start > step);
+        let no = times
+            .iter()
+            .zip(&times[1..])
+            .fold(wrong(block.start(), first), |any, (&start, &time)| any | wrong(start, time));
+        let inside = block.start() >= begin && last <= end;
         inside && block.is_plain() && !no && self.rows.has_room(times.len())
     }
 }

@@ -189,3 +189,30 @@ fn gears_on_a_common_grid_share_its_knots() {
     );
     assert!(time[..rows].is_sorted());
 }
+
+/// Spacings about that of the default times, where rounding decides how many rows there are.
+#[test]
+fn a_state_depends_on_its_time_alone() {
+    let level = Profile::level();
+    let fastest = run([&level; 3], 0.01, false).modes().omega().iter().copied().fold(0.0, f64::max);
+    let step = SPEED * std::f64::consts::TAU / (20.0 * fastest);
+    for spacing in [0.3 * step, step.next_down(), step, step.next_up(), 1.5 * step, 40.0 * step] {
+        let x = (0..90).map(|i| 1000.0 + spacing * f64::from(i)).collect();
+        let profile = Profile::new(x, (0..90).map(|i| f64::from(i * i % 7)).collect()).unwrap();
+        for tracks in [[&profile; 3], [&level, &profile, &profile]] {
+            let run = run(tracks, 0.01, false);
+            let grid = run.grid(None).unwrap();
+            // As much room as is said to be enough, and no more.
+            let room = || vec![0.0; 3 * grid.most];
+            let (mut times, mut modal, mut rate) = (vec![0.0; grid.most], room(), room());
+            let rows = run.sample(grid, &mut times, &mut modal, &mut rate, &mut || Ok(())).unwrap();
+            assert!(rows > 300 && times[..rows].is_sorted());
+            assert!(times[..rows].windows(2).all(|pair| SPEED * (pair[1] - pair[0]) < 1.001 * step));
+            for row in 0..rows {
+                let (mut p, mut v) = ([0.0; 3], [0.0; 3]);
+                run.states(&times[row..=row], &mut p, &mut v, &mut || Ok(())).unwrap();
+                assert_eq!((&p[..], &v[..]), (&modal[3 * row..][..3], &rate[3 * row..][..3]), "row {row}");
+            }
+        }
+    }
+}

@@ -229,7 +229,7 @@ impl Profile {
 /// See [`Run::extremes`].
 type Extremes<'py> = ([Bound<'py, PyArray1<f64>>; 4], Vec<f64>, Vec<f64>);
 
-/// Values to spare in the larger block of results: see [`Run::sample`].
+/// Values to spare in the larger block of results, at most: see [`Run::sample`].
 const TO_SPARE: usize = 1 << 14;
 
 /// See [`Run::sample`].
@@ -299,7 +299,7 @@ impl Run {
         // so the blocks are not shrunk, and the next run asks for just as much, and they are two
         // rather than three, one with room to spare, as glibc keeps up to twice the largest block.
         let most = grid.most;
-        let first = blank(py, [most * (1 + columns) + TO_SPARE]);
+        let first = blank(py, [most * (1 + columns) + TO_SPARE.min(4 * most)]);
         let second = blank(py, [most * columns]);
         let rows = {
             let (mut first, mut second) = (first.readwrite(), second.readwrite());

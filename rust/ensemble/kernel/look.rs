@@ -8,7 +8,7 @@ use super::super::constants::States;
 use super::super::records::Candidate;
 use super::super::setup::MODES;
 use super::super::vector::{Part, Vector, parts};
-use super::{CHUNK, Ground, March, MoreRows, Row, ZERO};
+use super::{CHUNK, Ground, March, MoreRows, PERIODS, Row, ZERO};
 use crate::lanes::Lanes;
 use crate::transition::{Drive, State};
 
@@ -21,9 +21,9 @@ impl March<'_> {
         }
         for output in 0..self.constants.weights.len() {
             match (self.layout.by_rate[output], self.layout.lines) {
-                (false, false) => self.find_values::<S, false, false>(simd, output, count, legs),
-                (true, false) => self.find_values::<S, true, false>(simd, output, count, legs),
-                (_, true) => self.find_values::<S, true, true>(simd, output, count, legs),
+                (false, false) => self.find_values::<S, false>(simd, output, count, legs),
+                (true, false) => self.find_values::<S, true>(simd, output, count, legs),
+                (_, true) => self.find_jumping_values(simd, output, count, legs),
             }
             let [mut top, mut bottom] = self.edges[0];
             for edges in &self.edges[1..count.div_ceil(CHUNK)] {
@@ -52,46 +52,53 @@ impl March<'_> {
 
     /// Values of an output at the ends of all legs.
     #[inline(always)]
-    fn find_values<S: Simd, const RATES: bool, const LINES: bool>(
-        &mut self,
-        simd: S,
-        output: usize,
-        count: usize,
-        legs: usize,
-    ) {
+    fn find_values<S: Simd, const RATES: bool>(&mut self, simd: S, output: usize, count: usize, legs: usize) {
+        let Self { layout, constants, states, starts, edges, .. } = self;
+        for part in parts(simd) {
+            let weights = part.load_all(&constants.weights[output].state);
+            let (next, then) = layout.after(legs - 1, count - 1);
+            part.store(value::<S, RATES>(part, &weights, &states[next], then), &mut starts[next][then]);
+            let mut all = [[part.all(f64::NEG_INFINITY), part.all(f64::INFINITY)]; PERIODS / CHUNK];
+            for leg in 0..legs {
+                let (states, starts) = (&states[leg], &mut starts[leg]);
+                for (chunk, [top, bottom]) in all[..count.div_ceil(CHUNK)].iter_mut().enumerate() {
+                    for i in CHUNK * chunk..count.min(CHUNK * (chunk + 1)) {
+                        let value = value::<S, RATES>(part, &weights, states, i);
+                        part.store(value, &mut starts[i]);
+                        (*top, *bottom) = (top.max(value), bottom.min(value));
+                    }
+                }
+            }
+            for (chunk, [top, bottom]) in all[..count.div_ceil(CHUNK)].iter().enumerate() {
+                let (next, then) = layout.after(legs - 1, count.min(CHUNK * (chunk + 1)) - 1);
+                let end = part.load(&starts[next][then]);
+                part.store(top.max(end), &mut edges[chunk][0]);
+                part.store(bottom.min(end), &mut edges[chunk][1]);
+            }
+        }
+    }
+
+    /// The same where slopes or elevations enter, so that values may jump.
+    #[inline(always)]
+    fn find_jumping_values<S: Simd>(&mut self, simd: S, output: usize, count: usize, legs: usize) {
         for part in parts(simd) {
             let weights = part.load_all(&self.constants.weights[output].state);
             for chunk in 0..count.div_ceil(CHUNK) {
-                let periods = CHUNK * chunk..count.min(CHUNK * (chunk + 1));
                 let (mut top, mut bottom) = (part.all(f64::NEG_INFINITY), part.all(f64::INFINITY));
-                for leg in 0..legs {
-                    for i in periods.clone() {
-                        let mut value = value::<S, RATES>(part, &weights, &self.states[leg], i);
-                        if LINES {
-                            value = value + self.lines(part, output, (leg, i), false);
-                        }
-                        part.store(value, &mut self.starts[leg][i]);
-                        (top, bottom) = (top.max(value), bottom.min(value));
-                    }
-                    if LINES {
-                        for i in periods.clone() {
-                            let (next, then) = self.layout.after(leg, i);
-                            let mut value = value::<S, RATES>(part, &weights, &self.states[next], then);
-                            value = value + self.lines(part, output, (leg, i), true);
-                            part.store(value, &mut self.ends[leg][i]);
-                            (top, bottom) = (top.max(value), bottom.min(value));
-                        }
+                for i in CHUNK * chunk..count.min(CHUNK * (chunk + 1)) {
+                    for leg in 0..legs {
+                        let start = value::<S, true>(part, &weights, &self.states[leg], i)
+                            + self.lines(part, output, (leg, i), false);
+                        let (next, then) = self.layout.after(leg, i);
+                        let end = value::<S, true>(part, &weights, &self.states[next], then)
+                            + self.lines(part, output, (leg, i), true);
+                        part.store(start, &mut self.starts[leg][i]);
+                        part.store(end, &mut self.ends[leg][i]);
+                        (top, bottom) = (top.max(start).max(end), bottom.min(start).min(end));
                     }
                 }
-                if !LINES {
-                    let (next, then) = self.layout.after(legs - 1, periods.end - 1);
-                    let value = value::<S, RATES>(part, &weights, &self.states[next], then);
-                    part.store(value, &mut self.starts[next][then]);
-                    (top, bottom) = (top.max(value), bottom.min(value));
-                }
-                let [high, low] = &mut self.edges[chunk];
-                part.store(top, high);
-                part.store(bottom, low);
+                part.store(top, &mut self.edges[chunk][0]);
+                part.store(bottom, &mut self.edges[chunk][1]);
             }
         }
     }

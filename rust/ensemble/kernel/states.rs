@@ -38,7 +38,10 @@ impl March<'_> {
         pushes: &mut [Push<Vector<S>>],
     ) {
         let Self { layout, constants, ground, states, state, .. } = self;
+        // Slices: what stands behind a vector would be fetched anew in every period.
+        let (ground, climb, drag) = (&ground[..], &constants.climb[..], &constants.drag[..]);
         let (members, steps) = (&layout.members[..legs], &constants.steps[..legs]);
+        let all = &mut states[..];
         let mut now = part.load_all(state);
         for i in 0..count {
             for leg in 0..legs {
@@ -46,9 +49,9 @@ impl March<'_> {
                 for group in members[leg].clone() {
                     let rise = part.load(&ground[group].rise[i + 1]);
                     for mode in 0..MODES {
-                        push[0][mode] = push[0][mode] + part.load(&constants.climb[group][mode]) * rise;
+                        push[0][mode] = push[0][mode] + part.load(&climb[group][mode]) * rise;
                         if DAMPED {
-                            push[1][mode] = push[1][mode] + part.load(&constants.drag[group][mode]) * rise;
+                            push[1][mode] = push[1][mode] + part.load(&drag[group][mode]) * rise;
                         }
                     }
                 }
@@ -56,7 +59,7 @@ impl March<'_> {
                 if DAMPED {
                     pushes[leg][1] = push[1];
                 }
-                for (now, rows) in now.iter().zip(&mut states[leg]) {
+                for (now, rows) in now.iter().zip(&mut all[leg]) {
                     part.store(*now, &mut rows[i]);
                 }
                 for mode in 0..MODES {
@@ -82,7 +85,7 @@ impl March<'_> {
         }
         let (leg, i) = layout.after(legs - 1, count - 1);
         for (k, now) in now.into_iter().enumerate() {
-            part.store(now, &mut states[leg][k][i]);
+            part.store(now, &mut all[leg][k][i]);
             part.store(now, &mut state[k]);
         }
         for (push, kept) in pushes.iter().flatten().flatten().zip(self.pushes.iter_mut().flatten().flatten())

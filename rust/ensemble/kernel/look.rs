@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::super::constants::States;
+use super::super::constants::{BoundRows, States};
 use super::super::records::Candidate;
 use super::super::setup::MODES;
 use super::super::vector::{Part, Vector, parts};
@@ -179,7 +179,7 @@ impl March<'_> {
                 let [start, end] = self.ends_of(leg, i);
                 let (start, end) = (part.load(start), part.load(end));
                 let reached = start.max(end).above(limits[0]) | limits[1].above(start.min(end));
-                if reached.any() && (reached & far.above((end - start).abs())).any() {
+                if (reached & far.above((end - start).abs())).any() {
                     self.weigh(part, output, (leg, i));
                 }
             }
@@ -198,40 +198,40 @@ impl March<'_> {
     fn weigh<S: Simd>(&mut self, part: Part<S>, output: usize, (leg, i): (usize, usize)) {
         let [start, end] = self.ends_of(leg, i);
         let (start, end) = (part.load(start), part.load(end));
-        let [bend, swing] = self.own_bulges(part, output, i);
-        let bulge = bend * part.load(&self.constants.shorter[leg]);
+        let [by_bend, by_swing] = &self.constants.weights[output].bulge;
+        let bulge = self.own_bulge(part, by_bend, i) * part.load(&self.constants.shorter[leg]);
         let (step, mean) = (end - start, part.all(0.5) * (start + end));
         let over = bulge + step * step / (part.all(16.0) * bulge);
         let holds = (part.all(4.0) * bulge).above(step.abs());
+        let records = self.records.best(output);
+        let [high, low] = part.load_all(&records);
+        if !(holds & ((mean + over).above(high) | (over - mean).above(low))).any() {
+            return;
+        }
+        let swing = self.own_bulge(part, by_swing, i);
         let bounds = [(mean + over).min(start.max(end) + swing), (over - mean).min(swing - start.min(end))];
         for side in 0..2 {
-            let record = self.records.best(output)[side];
-            let breaks = holds & bounds[side].above(part.load(&record));
-            if breaks.any() {
-                let mut row = ZERO;
-                part.store(breaks.choose(bounds[side], part.all(f64::NEG_INFINITY)), &mut row);
-                for lane in part.lanes().filter(|&lane| row[lane] > record[lane]) {
-                    let candidate = self.candidate(output, leg, i, lane, row[lane]);
-                    self.records.keep(output, side, lane, candidate);
-                }
+            let mut row = ZERO;
+            part.store(holds.choose(bounds[side], part.all(f64::NEG_INFINITY)), &mut row);
+            for lane in part.lanes().filter(|&lane| row[lane] > records[side][lane]) {
+                let candidate = self.candidate(output, leg, i, lane, row[lane]);
+                self.records.keep(output, side, lane, candidate);
             }
         }
     }
 
-    /// See [`March::bulges`], for one period.
+    /// See [`March::bulges`], for one period and one kind.
     #[inline(always)]
-    fn own_bulges<S: Simd>(&self, part: Part<S>, output: usize, i: usize) -> [Vector<S>; 2] {
-        let mut bounds = [part.all(0.0); 2];
-        for (bound, rows) in bounds.iter_mut().zip(&self.constants.weights[output].bulge) {
-            for (weight, states) in rows.state.iter().zip(&self.states[0]) {
-                *bound = *bound + part.load(weight) * part.load(&states[i]).abs();
-            }
-            for (group, Ground { rise, .. }) in self.ground.iter().enumerate() {
-                *bound = *bound + part.load(&rows.after[group]) * part.load(&rise[i + 1]).abs();
-                *bound = *bound + part.load(&rows.before[group]) * part.load(&rise[i]).abs();
-            }
+    fn own_bulge<S: Simd>(&self, part: Part<S>, rows: &BoundRows, i: usize) -> Vector<S> {
+        let mut bound = part.all(0.0);
+        for (weight, states) in rows.state.iter().zip(&self.states[0]) {
+            bound = bound + part.load(weight) * part.load(&states[i]).abs();
         }
-        bounds
+        for (group, Ground { rise, .. }) in self.ground.iter().enumerate() {
+            bound = bound + part.load(&rows.after[group]) * part.load(&rise[i + 1]).abs();
+            bound = bound + part.load(&rows.before[group]) * part.load(&rise[i]).abs();
+        }
+        bound
     }
 
     /// A leg of one run as a stretch to be searched.

@@ -4,13 +4,16 @@ Monte Carlo: random profiles under three coherent tracks, rolled over and summed
 The peer draws its own normal deviates, transforms them with `numpy.fft`, and marches all profiles
 of a batch side by side, one matrix product a station: exact for straight lines between stations.
 It gets what follows from spectrum and aircraft prepared, takes its extremes at the stations only,
-and its main gears' elevations are interpolated to the nose gear's stations. One thread each.
+and its main gears' elevations are interpolated to the nose gear's stations. Loads alone, one
+thread each.
 """
 
 import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["RAYON_NUM_THREADS"] = "1"
+
+from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import expm
@@ -23,7 +26,7 @@ METRE = 1 / 0.0254
 SPACING = 0.25 * METRE
 SPEED = rm.knots(60)
 SURFACE = rm.Roughness.iso8608("B", unit="in")
-MODES = rm.f4e().modes(0.05)
+MODES = replace(rm.f4e(), stations={}).modes(0.05)
 LATERAL = np.array([gear.y for gear in MODES.aircraft.gears])
 
 

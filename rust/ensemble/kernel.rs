@@ -1,8 +1,8 @@
 //! Runs side by side, a block of periods at a time: rises, states, values, moments.
 //!
-//! A block's numbers stay in the first-level cache from one pass to the next; every pass is a plain
-//! loop over registers full of runs. What is not marked to be inlined is not compiled for the
-//! instructions chosen, closures neither: in loops there are none.
+//! A block's numbers stay in the cache from one pass to the next; every pass is a plain loop over
+//! registers full of runs. What is not marked to be inlined is not compiled for the instructions
+//! chosen, closures neither: in loops there are none.
 
 use std::ops::Range;
 
@@ -21,7 +21,7 @@ mod moments;
 mod states;
 
 /// Periods of a block.
-pub(super) const PERIODS: usize = 32;
+pub(super) const PERIODS: usize = 64;
 
 /// Periods whose values are looked at again together.
 const CHUNK: usize = 8;

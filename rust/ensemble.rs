@@ -18,7 +18,7 @@ use crate::error::{Error, Place, Result, finite, positive};
 use crate::modes::Modes;
 use crate::parallel::{self, Tools};
 use crate::run::check_speed;
-use crate::watch::Pulse;
+use crate::watch::{Pulse, Watch};
 
 mod constants;
 mod kernel;
@@ -401,13 +401,14 @@ fn march_over(
         march.block(reader, plan.stations, period, PERIODS.min(periods - period), false);
     }
     march.block(reader, plan.stations, periods, 1, true);
+    let mut watch = Watch::new(pulse);
     for (lane, run) in runs.enumerate() {
-        march.read(lane, found);
+        march.read(lane, found, &mut watch);
         if !found.last_is_finite(plan.gears(), plan.points[0].len()) {
             found.failed.push(run);
         }
     }
-    Ok(())
+    watch.outcome
 }
 
 #[cfg(test)]

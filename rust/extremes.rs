@@ -227,6 +227,7 @@ impl Output {
         drive: &Drive,
         (time, tau, h): (f64, f64, f64),
         bounds: &[(f64, f64)],
+        watch: &mut Watch,
     ) {
         self.offer(to, time, tau + h);
         for &(sign, bound) in bounds {
@@ -238,7 +239,7 @@ impl Output {
             } else if bound > best + slack {
                 let mut search =
                     Climb { bank, lengths, drive, output: self, sign, slack, best, at: f64::NAN };
-                climb(&mut search, Stretch { from: *from, to: *to, tau, h, halvings: 0 });
+                climb(&mut search, Stretch { from: *from, to: *to, tau, h, halvings: 0 }, watch);
                 if search.best > best {
                     let (value, at) = (sign * search.best, time + search.at);
                     self.record.offer(value, at, 0.0);
@@ -377,11 +378,12 @@ struct Stretch {
     halvings: u32,
 }
 
-/// Searches a stretch, halving it where its bounds decide nothing.
+/// Searches a stretch, halving it where its bounds decide nothing; in vain once the caller has asked to
+/// stop.
 #[multiversion(targets("x86_64+avx2"))]
-fn climb(this: &mut Climb, stretch: Stretch) {
+fn climb(this: &mut Climb, stretch: Stretch, watch: &mut Watch) {
     let (mut now, mut later) = (stretch, Vec::new());
-    loop {
+    while watch.go_on(1) {
         if this.settles(&now) || now.halvings == MOST_STEPS {
             match later.pop() {
                 Some(next) => now = next,
@@ -490,10 +492,10 @@ impl Screen {
         &mut self,
         outputs: &mut [Output],
         bank: (&Oscillators, &Lengths),
-        ends: (&State, &State),
-        values: (Lanes, Lanes),
+        (ends, values): ((&State, &State), (Lanes, Lanes)),
         drive: &Drive,
         (time, tau, h): (f64, f64, f64),
+        watch: &mut Watch,
     ) {
         let lengths = bank.1.at_most(departure(bank.0, drive, ends.0));
         let (top, bottom) = self.bounds(values, lengths, h);
@@ -501,7 +503,7 @@ impl Screen {
             for (lane, output) in outputs.iter_mut().enumerate() {
                 if top[lane] > self.high[lane] || bottom[lane] < self.low[lane] {
                     let signs = [(1.0, top[lane]), (-1.0, -bottom[lane])];
-                    output.search(bank, ends, drive, (time, tau, h), &signs);
+                    output.search(bank, ends, drive, (time, tau, h), &signs, watch);
                 }
             }
             self.read_records(outputs);
@@ -602,7 +604,7 @@ impl Search<'_> {
         for (screen, outputs) in self.screens.iter_mut().zip(self.outputs.chunks_mut(LANES)) {
             let values = (screen.start, screen.values(ends.1, h));
             screen.start = values.1;
-            screen.check(outputs, bank, ends, values, drive, (time, 0.0, h));
+            screen.check(outputs, bank, (ends, values), drive, (time, 0.0, h), &mut self.watch);
         }
     }
 
@@ -619,7 +621,14 @@ impl Search<'_> {
             screen.look_ahead(&values[1..states.len()]);
             for (piece, ends) in states.windows(2).enumerate() {
                 let values = (values[piece], values[piece + 1]);
-                screen.check(outputs, bank, (&ends[0], &ends[1]), values, drive, (time, tau(piece), h));
+                screen.check(
+                    outputs,
+                    bank,
+                    ((&ends[0], &ends[1]), values),
+                    drive,
+                    (time, tau(piece), h),
+                    &mut self.watch,
+                );
             }
         }
     }

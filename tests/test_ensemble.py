@@ -1,8 +1,11 @@
 """`simulate_many` against `simulate` run by run, quadrature, and itself in other batches."""
 
 import os
+import signal
 import subprocess
 import sys
+import threading
+import time
 from itertools import pairwise
 
 import numpy as np
@@ -309,3 +312,17 @@ def test_worst_and_unloaded_and_table():
         found.quantile("load", 0.5)
     with pytest.raises(rm.InputError, match=r"probability\[1\] = 1.0"):
         found.quantile("max_load", [0.5, 1.0])
+
+
+def test_ctrl_c_in_a_search_without_end() -> None:
+    # A segment of billions of undamped cycles: every one may hold the largest load.
+    modes, sent = rm.single_dof(mass=1.0, omega=1e3, damping_ratio=0.0), []
+
+    def interrupt() -> None:
+        sent.append(time.perf_counter())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Timer(0.3, interrupt).start()
+    with pytest.raises(KeyboardInterrupt):
+        rm.simulate_many(modes, runways(1, 1, 40), 5.0, 1e-5)
+    assert time.perf_counter() - sent[0] < 1.0

@@ -15,6 +15,7 @@ use super::setup::{Layout, MODES, Setup};
 use super::vector::parts;
 use super::{Reader, Statistics};
 use crate::extremes::Output;
+use crate::watch::Watch;
 
 mod look;
 mod moments;
@@ -89,6 +90,7 @@ pub(super) struct March<'a> {
 }
 
 impl<'a> March<'a> {
+    #[expect(clippy::large_stack_arrays, reason = "their way to the heap")]
     pub fn new(arch: Arch, between: bool, setups: &'a [Setup], constants: &'a Constants) -> Self {
         let layout = &*setups[0].layout;
         let searches = |setup: &Setup| setup.readings.iter().map(|reading| reading.output.clone()).collect();
@@ -203,15 +205,15 @@ impl March<'_> {
         self.flaw[lane] == 0.0
     }
 
-    /// Appends the results of a run that is over.
-    pub fn read(&mut self, lane: usize, out: &mut Statistics) {
+    /// Appends the results of a run that is over; wrong ones once the caller has asked to stop.
+    pub fn read(&mut self, lane: usize, out: &mut Statistics, watch: &mut Watch) {
         let setup = of_lane(self.setups, lane);
         let last = self.searches.len() - 1;
         let valid = self.is_finite(lane);
         for (output, search) in self.searches[lane.min(last)].iter_mut().enumerate() {
             let (mut max, mut min, mut rms) = (f64::NAN, f64::NAN, f64::NAN);
             if valid {
-                (max, min) = self.records.settle(setup, output, lane, search);
+                (max, min) = self.records.settle(setup, (output, lane), search, watch);
                 let square = self.squares[output][lane];
                 // Rounding may leave less than nothing; what is no number stays so.
                 let nothing = square < 0.0 || setup.duration == 0.0;

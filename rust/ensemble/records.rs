@@ -5,6 +5,7 @@ use super::setup::Setup;
 use crate::extremes::{Extreme, Output};
 use crate::readout::Line;
 use crate::transition::{Drive, State};
+use crate::watch::Watch;
 
 /// Stretches kept for one record before those that no longer matter are thrown out.
 const MANY: usize = 32;
@@ -78,7 +79,13 @@ impl Records {
     }
 
     /// True maximum and minimum of an output of one run; of an acceleration, ± its magnitude.
-    pub fn settle(&mut self, setup: &Setup, output: usize, lane: usize, search: &mut Output) -> (f64, f64) {
+    pub fn settle(
+        &mut self,
+        setup: &Setup,
+        (output, lane): (usize, usize),
+        search: &mut Output,
+        watch: &mut Watch,
+    ) -> (f64, f64) {
         let Record { best, candidates } = &mut self.records[output];
         let magnitude = output >= self.loads;
         search.record =
@@ -96,7 +103,7 @@ impl Records {
                 search.line = Line { start, rate: growth / h };
                 let end = setup.transition[leg].apply(&state, &drive);
                 let bank = (&setup.bank, &*setup.lengths);
-                search.search(bank, (&state, &end), &drive, (0.0, 0.0, h), &[(sign, bound)]);
+                search.search(bank, (&state, &end), &drive, (0.0, 0.0, h), &[(sign, bound)], watch);
             }
             list.clear();
         }

@@ -23,4 +23,8 @@ def progress_bar(total: int, *, quiet: bool) -> Iterator[Callable[[int], None]]:
         yield lambda _: None
         return
     with tqdm(total=total, unit=" runs", unit_scale=True, dynamic_ncols=True, leave=False) as bar:
-        yield lambda done: bar.update(done - bar.n)
+
+        def show(done: int) -> None:
+            bar.update(done - bar.n)
+
+        yield show

@@ -5,6 +5,7 @@ Three tracks, three gears, a wheelbase that is no whole number of spacings; load
 accelerations. Peers get what they need prepared, and find extremes at the stations only.
 """
 
+import multiprocessing
 import os
 from dataclasses import replace
 from functools import partial
@@ -218,6 +219,28 @@ def against_peers(runs: int, stations: int, rounds: int) -> None:
     line("ours / ours with extremes at stations only", f"{quotient:.2f}", "≤ 1.3", quotient <= 1.3)
 
 
+def on_cores(runs: int, stations: int, rounds: int) -> None:
+    """One thread against two, each in a process of its own: threads are made once a process."""
+    call = partial(rm.simulate_many, MODES, elevations(runs, stations), SPACING, SPEED)
+
+    def seconds(threads: int) -> float:
+        here, there = multiprocessing.get_context("fork").Pipe(duplex=False)
+
+        def measure() -> None:
+            os.environ["RAYON_NUM_THREADS"] = str(threads)
+            there.send(take_turns(rounds, ours=call)["ours"].min())
+
+        child = multiprocessing.get_context("fork").Process(target=measure)
+        child.start()
+        result = here.recv()
+        child.join()
+        return result
+
+    turns = np.array([[seconds(threads) for threads in (1, 2)] for _ in range(max(1, rounds // 2))])
+    quotient = ratio(turns[:, 0], turns[:, 1])
+    line("one thread / two", f"{quotient:.2f}", "≥ 1.8", quotient >= 1.8)
+
+
 def flatness(shapes: list[tuple[int, int]], rounds: int) -> None:
     print("\ncost a station and run")
     costs = []
@@ -227,13 +250,13 @@ def flatness(shapes: list[tuple[int, int]], rounds: int) -> None:
         best = take_turns(rounds, max(1, 200_000 // z.size), ours=call)["ours"].min()
         costs.append(best / (runs * stations))
         line(f"{runs} runs of {stations} stations", f"{1e9 * costs[-1]:.1f} ns")
-    line("dearest / cheapest", f"{max(costs) / min(costs):.2f}", "≤ 1.5")
+    line("dearest / cheapest", f"{max(costs) / min(costs):.2f}", "≤ 1.67")
 
 
 if __name__ == "__main__":
-    # Threads are made for each call: what they do is measured by starting this twice.
     os.environ.setdefault("RAYON_NUM_THREADS", "1")
     quick = options(__doc__)
     machine("runway_modal", "numpy", "numba", "pyyeti")
     against_peers(*((16, 100, 1) if quick else (1024, 2000, 12)))
+    on_cores(*((16, 100, 1) if quick else (1024, 2000, 6)))
     flatness([(8, 100)] if quick else [(8, 100), (800, 1000), (10_000, 100), (8, 100_000)], 5)

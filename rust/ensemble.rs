@@ -131,28 +131,7 @@ impl<T: Copy + Into<f64>> Reader for MemoryReader<'_, T> {
             &elevations[(run * tracks + track) * stations + first..][..out.len()]
         });
         vector::turn(simd, lanes, out);
-        // So many streams at once are more than the machine follows by itself.
-        let behind = (first + out.len())..(first + 2 * out.len()).min(stations);
-        if !behind.is_empty() {
-            for lane in 0..RUNS {
-                let run = self.first + lane.min(self.count - 1);
-                fetch(&elevations[(run * tracks + track) * stations..][behind.clone()]);
-            }
-        }
     }
-}
-
-/// Has what will soon be read brought into the cache.
-#[inline(always)]
-fn fetch<T>(values: &[T]) {
-    #[cfg(target_arch = "x86_64")]
-    for line in values.chunks(64 / size_of::<T>()) {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: every x86-64 has this instruction, and it may name any address.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast()) }
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = values;
 }
 
 /// What many runs have in common, and what not.

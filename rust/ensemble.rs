@@ -4,9 +4,10 @@
 //! next, is like any other: see `setup`. Eight runs are marched side by side (`kernel`), blocks
 //! of eight on all threads. A run's results are the same bits whatever runs beside it.
 //!
-//! * True extremes: a block of periods whose values at the stations come close enough to a record,
-//!   by the bound of [`crate::extremes`], leaves its legs to be searched when the run is over; most
-//!   of them have been outdone by then (`records`).
+//! * True extremes: outputs are looked at where their slopes may jump. Stretches of eight periods on
+//!   which a record may be broken in between, by the bound of [`crate::extremes`], are kept and gone
+//!   over again when the run is over: most of them have been outdone by then (`kernel::sift`). Legs
+//!   that are left are searched (`records`).
 //! * Mean squares: on every leg ∫F² is a quadratic form of the state at the start of its period and
 //!   the rises under the gears. The forms are constant, so what is added up on the way are the
 //!   products of these numbers, whatever the number of outputs and whatever the damping.
@@ -364,10 +365,10 @@ impl<R: Reader> Worker<'_, R> {
 }
 
 /// Runs up to [`RUNS`] profiles side by side.
-fn march_over(
+fn march_over<R: Reader>(
     plan: &Plan,
     march: &mut March,
-    reader: &mut impl Reader,
+    reader: &mut R,
     runs: Range<usize>,
     found: &mut Statistics,
     pulse: Pulse,
@@ -377,9 +378,10 @@ fn march_over(
     let periods = march.layout.periods;
     for period in (0..periods).step_by(PERIODS) {
         pulse()?;
-        march.block(reader, plan.stations, period, PERIODS.min(periods - period), false);
+        march.block(reader, plan.stations, period, PERIODS.min(periods - period));
     }
-    march.block(reader, plan.stations, periods, 1, true);
+    march.block(reader, plan.stations, periods, 1);
+    march.search::<R>();
     let mut watch = Watch::new(pulse);
     for (lane, run) in runs.enumerate() {
         march.read(lane, found, &mut watch);

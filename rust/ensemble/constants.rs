@@ -1,7 +1,7 @@
 //! What the set-ups of runs side by side make of every period, number by number in rows.
 
 use super::row::Row;
-use super::setup::{Bound, MODES, Reading, Setup};
+use super::setup::{MODES, Reading, Setup};
 use crate::lanes::Lanes;
 use crate::readout::Form;
 
@@ -35,27 +35,13 @@ pub(super) struct Weights {
     pub end_rise: Vec<Vec<Row>>,
     pub height: Vec<Row>,
     pub first: Vec<Row>,
-    pub bulge: [BoundRows; 2],
+    pub bulge: [Vec<Row>; 2],
+    /// Squares of lengths as shares of that of the longest way between kinks: of the way to each
+    /// kink, and of each leg.
+    pub span: Vec<Row>,
+    pub leg: Vec<Row>,
     /// Of the moments of the periods and of the tail.
     pub square: [Vec<Row>; 2],
-}
-
-/// See [`Bound`].
-pub(super) struct BoundRows {
-    pub state: States<Row>,
-    pub after: Vec<Row>,
-    pub before: Vec<Row>,
-}
-
-impl BoundRows {
-    fn new(setups: &[Setup], of: impl Fn(&Setup) -> &Bound) -> Self {
-        let groups = setups[0].layout.groups.len();
-        Self {
-            state: std::array::from_fn(|i| gather(setups, |s| of(s).state[i / MODES][i % MODES])),
-            after: (0..groups).map(|g| gather(setups, |s| of(s).after[g])).collect(),
-            before: (0..groups).map(|g| gather(setups, |s| of(s).before[g])).collect(),
-        }
-    }
 }
 
 /// Constants of the runs side by side.
@@ -66,8 +52,6 @@ pub(super) struct Constants {
     pub climb: Vec<[Row; MODES]>,
     pub drag: Vec<[Row; MODES]>,
     pub weights: Vec<Weights>,
-    /// Square of each leg's length as a share of the longest one's.
-    pub shorter: Vec<Row>,
     /// How far each leg begins from a group's station, in spacings: leg by leg, group by group.
     pub from_station: Vec<Vec<Row>>,
 }
@@ -98,7 +82,14 @@ impl Constants {
                     .collect(),
                 height: by_group(&|r, _, g| r.height[g]),
                 first: by_group(&|r, _, g| r.first[g]),
-                bulge: [0, 1].map(|kind| BoundRows::new(setups, |s| &s.readings[output].bulge[kind])),
+                bulge: [0, 1].map(|kind| {
+                    let rows = 0..setups[0].readings[output].bulge[kind].len();
+                    rows.map(|row| gather(setups, |s| s.readings[output].bulge[kind][row])).collect()
+                }),
+                span: (0..layout.kinks[output].len())
+                    .map(|kink| gather(setups, |s| s.readings[output].span[kink]))
+                    .collect(),
+                leg: (0..legs).map(|leg| gather(setups, |s| s.readings[output].leg[leg])).collect(),
                 square: [0, 1].map(|kind| {
                     let moments = 0..setups[0].readings[output].square[kind].len();
                     moments.map(|at| gather(setups, |s| s.readings[output].square[kind][at])).collect()
@@ -110,9 +101,6 @@ impl Constants {
             climb: (0..groups).map(|g| by_mode(&|s| s.climb[g])).collect(),
             drag: (0..groups).map(|g| by_mode(&|s| s.drag[g])).collect(),
             weights: (0..setups[0].readings.len()).map(weights).collect(),
-            shorter: (0..legs)
-                .map(|leg| gather(setups, |s| (s.dt[leg] / s.dt.iter().copied().fold(0.0, f64::max)).powi(2)))
-                .collect(),
             from_station: (0..legs)
                 .map(|leg| (0..groups).map(|g| gather(setups, |s| s.begin[leg] - s.part[g])).collect())
                 .collect(),

@@ -10,7 +10,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::constants::{Constants, States, of_lane};
 use super::records::Records;
-use super::row::Row;
+use super::row::{RUNS, Row};
 use super::setup::{Layout, MODES, Setup};
 use super::vector::parts;
 use super::{Reader, Statistics};
@@ -19,12 +19,17 @@ use crate::watch::Watch;
 
 mod look;
 mod moments;
+mod sift;
 mod states;
+mod view;
+
+use look::Reach;
+use sift::Stretches;
 
 /// Periods of a block.
 pub(super) const PERIODS: usize = 64;
 
-/// Periods whose values are looked at again together.
+/// Periods of which the largest and the smallest value are known.
 const CHUNK: usize = 8;
 
 const ZERO: Row = Row::ZERO;
@@ -66,14 +71,6 @@ pub(super) struct March<'a> {
     state: States<Row>,
     /// Heights at the start of each leg, leg by leg, group by group.
     heights: Vec<Vec<Rows>>,
-    /// Leg by leg, since their gears' last stations.
-    pushes: Vec<Push<Row>>,
-    /// One output's values at the starts of the legs, leg by leg, and at the end of the block; where it
-    /// may jump, also just before the legs' ends.
-    starts: Vec<MoreRows>,
-    ends: Vec<Rows>,
-    /// The largest and the smallest of them in each chunk.
-    edges: [[Row; 2]; PERIODS / CHUNK],
     /// Moments of the periods' rows, lower triangle, over the run and over its tail.
     moments: [Vec<Row>; 2],
     /// Rows of a period, by threes.
@@ -85,6 +82,10 @@ pub(super) struct March<'a> {
     squares: Vec<Row>,
     flaw: Row,
     records: Records,
+    /// How far the outputs may come on the chunks of the block, output by output.
+    reaches: Vec<[Reach; PERIODS / CHUNK]>,
+    /// Run by run.
+    stretches: [Stretches; RUNS],
     /// Tools to search with, set-up by set-up, output by output.
     searches: Vec<Vec<Output>>,
 }
@@ -112,16 +113,14 @@ impl<'a> March<'a> {
             states: vec![[[ZERO; PERIODS + 1]; 2 * MODES]; layout.legs],
             state: [ZERO; 2 * MODES],
             heights: vec![vec![none; heights]; layout.legs],
-            pushes: vec![[[ZERO; MODES]; 2]; layout.legs],
-            starts: vec![[ZERO; PERIODS + 1]; layout.legs],
-            ends: vec![none; if layout.lines { layout.legs } else { 0 }],
-            edges: [[ZERO; 2]; PERIODS / CHUNK],
             moments: [vec![ZERO; rows * (rows + 1) / 2], vec![ZERO; rows * (rows + 1) / 2]],
             triples: layout.triples(),
             reach: vec![ZERO; 2 * MODES + groups + layout.inner().count()],
             squares: vec![ZERO; outputs],
             flaw: ZERO,
             records: Records::new(layout.loads, outputs),
+            reaches: vec![[Reach { bend: ZERO, bounds: [ZERO; 2] }; PERIODS / CHUNK]; outputs],
+            stretches: std::array::from_fn(|_| Stretches::new(layout, outputs)),
             searches: setups.iter().map(searches).collect(),
         }
     }
@@ -129,7 +128,6 @@ impl<'a> March<'a> {
     /// Begins anew, at rest on the first elevations.
     pub fn start(&mut self, reader: &mut impl Reader) {
         self.state = [ZERO; 2 * MODES];
-        self.pushes.fill([[ZERO; MODES]; 2]);
         for ground in &mut self.ground {
             ground.rise[PERIODS] = ZERO;
         }
@@ -137,6 +135,7 @@ impl<'a> March<'a> {
             moments.fill(ZERO);
         }
         self.records.restart();
+        self.stretches.iter_mut().for_each(Stretches::restart);
         for (ground, group) in self.ground.iter_mut().zip(&self.layout.groups) {
             reader.read(pulp::Scalar, group.track, 0, &mut ground.z[PERIODS..]);
         }
@@ -153,21 +152,23 @@ impl<'a> March<'a> {
             for group in 0..self.ground.len() {
                 rest += (weights.height[group] + weights.first[group]) * self.first[group];
             }
-            self.records.see(output, rest, rest);
+            for part in parts(pulp::Scalar) {
+                let rest = part.load(&rest);
+                self.records.see(part, output, rest, rest);
+            }
         }
     }
 
-    /// The block of `count` periods that begins with `period`; in the tail, only so many legs of one.
-    pub fn block(
-        &mut self,
-        reader: &mut impl Reader,
-        stations: usize,
-        period: usize,
-        count: usize,
-        tail: bool,
-    ) {
-        let block = Block { march: self, reader, stations, period, count, tail };
-        block.march.arch.dispatch(block);
+    /// The block of `count` periods that begins with `period`, the next one; after the last, the tail.
+    pub fn block(&mut self, reader: &mut impl Reader, stations: usize, period: usize, count: usize) {
+        self.arch.dispatch(Block { march: self, way: Way::On { reader, stations, period, count } });
+    }
+
+    /// Looks for records between the places looked at so far, when the runs are over.
+    pub fn search<R: Reader>(&mut self) {
+        while self.go_back() {
+            self.arch.dispatch(Block::<R> { march: self, way: Way::Again });
+        }
     }
 
     /// Elevations of the block's stations and the one before.
@@ -231,14 +232,18 @@ impl March<'_> {
     }
 }
 
-/// See [`March::block`].
+/// See [`March::block`] and [`March::search`].
 struct Block<'m, 'a, R> {
     march: &'m mut March<'a>,
-    reader: &'m mut R,
-    stations: usize,
-    period: usize,
-    count: usize,
-    tail: bool,
+    way: Way<'m, R>,
+}
+
+/// Where to go.
+enum Way<'m, R> {
+    /// Over so many more periods.
+    On { reader: &'m mut R, stations: usize, period: usize, count: usize },
+    /// Over stretches again, each run over one of its own.
+    Again,
 }
 
 impl<R: Reader> WithSimd for Block<'_, '_, R> {
@@ -246,37 +251,38 @@ impl<R: Reader> WithSimd for Block<'_, '_, R> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { march, reader, stations, period, count, tail } = self;
-        march.read_ground(simd, reader, stations, period, count);
-        march.find_rises(simd, count);
+        let Self { march, way } = self;
+        let (mut count, mut tail, again) = (CHUNK, false, matches!(way, Way::Again));
+        if let Way::On { reader, stations, period, count: periods } = way {
+            march.read_ground(simd, reader, stations, period, periods);
+            march.find_rises(simd, periods);
+            (count, tail) = (periods, period == march.layout.periods);
+        }
+        // The tail: only so many legs of a period.
+        let legs = if tail { march.layout.tail } else { march.layout.legs };
         if tail {
             march.close_moments(simd);
         }
-        let legs = if tail { march.layout.tail } else { march.layout.legs };
-        match (legs, march.layout.damped) {
-            (0, _) => march.states[0].iter_mut().zip(&march.state).for_each(|(rows, now)| rows[0] = *now),
-            (1, false) if !tail => march.find_states::<S, 1, false>(simd, count, legs),
-            (2, false) if !tail => march.find_states::<S, 2, false>(simd, count, legs),
-            (3, false) if !tail => march.find_states::<S, 3, false>(simd, count, legs),
-            (2, true) if !tail => march.find_states::<S, 2, true>(simd, count, legs),
-            (_, false) => march.find_states::<S, 0, false>(simd, count, legs),
-            (_, true) => march.find_states::<S, 0, true>(simd, count, legs),
+        march.find_states(simd, count, legs);
+        let mut chunks = 0..1;
+        if !again {
+            march.find_moments(simd, count, tail);
+            chunks = march.look(simd, count, legs);
+            if tail && march.layout.damped {
+                march.look_back(simd, legs);
+            }
+            if tail {
+                march.conclude(simd);
+            }
         }
-        if march.layout.heights {
-            // The tail ends where its next leg begins.
-            march.find_heights(count, if tail { legs + 1 } else { legs });
+        for chunk in chunks {
+            march.sift(simd, chunk, count, legs);
         }
-        march.find_moments(simd, count, tail);
-        march.look(simd, count, legs);
-        if tail && march.layout.damped {
-            march.look_back(simd, legs);
-        }
-        if tail {
-            march.conclude(simd);
-        }
-        for ground in &mut march.ground {
-            ground.z[PERIODS] = ground.z[count];
-            ground.rise[PERIODS] = ground.rise[count];
+        if !again {
+            for ground in &mut march.ground {
+                ground.z[PERIODS] = ground.z[count];
+                ground.rise[PERIODS] = ground.rise[count];
+            }
         }
     }
 }

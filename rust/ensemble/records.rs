@@ -1,7 +1,10 @@
 //! The records of runs side by side, and the stretches that may yet break them.
 
+use pulp::Simd;
+
 use super::row::{RUNS, Row};
 use super::setup::Setup;
+use super::vector::{Part, Vector};
 use crate::extremes::{Extreme, Output};
 use crate::readout::Line;
 use crate::transition::{Drive, State};
@@ -30,6 +33,7 @@ struct Record {
 }
 
 /// Records of all outputs. Of an acceleration only the magnitude counts.
+#[derive(Default)]
 pub(super) struct Records {
     loads: usize,
     records: Vec<Record>,
@@ -44,6 +48,11 @@ impl Records {
         Self { loads, records: (0..outputs).map(|_| record()).collect() }
     }
 
+    /// Number of outputs.
+    pub fn len(&self) -> usize {
+        self.records.len()
+    }
+
     pub fn restart(&mut self) {
         for record in &mut self.records {
             record.best = [Row::all(f64::NEG_INFINITY); 2];
@@ -53,19 +62,28 @@ impl Records {
 
     /// Takes in the largest and smallest values of some more ends of legs.
     #[inline(always)]
-    pub fn see(&mut self, output: usize, top: Row, bottom: Row) {
-        let [high, low] = &mut self.records[output].best;
-        (*high, *low) = (high.max(top), low.max(Row::ZERO - bottom));
+    pub fn see<S: Simd>(&mut self, part: Part<S>, output: usize, top: Vector<S>, bottom: Vector<S>) {
+        let [mut high, mut low] = self.best(part, output);
+        (high, low) = (high.max(top), low.max(part.all(0.0) - bottom));
         if output >= self.loads {
-            let magnitude = high.max(*low);
-            (*high, *low) = (magnitude, magnitude);
+            let magnitude = high.max(low);
+            (high, low) = (magnitude, magnitude);
         }
+        let best = &mut self.records[output].best;
+        part.store(high, &mut best[0]);
+        part.store(low, &mut best[1]);
     }
 
     /// Largest values of F and of −F.
     #[inline(always)]
-    pub fn best(&self, output: usize) -> [Row; 2] {
-        self.records[output].best
+    pub fn best<S: Simd>(&self, part: Part<S>, output: usize) -> [Vector<S>; 2] {
+        part.load_all(&self.records[output].best)
+    }
+
+    /// Of one run.
+    #[inline(always)]
+    pub fn best_of(&self, output: usize, side: usize, lane: usize) -> f64 {
+        self.records[output].best[side][lane]
     }
 
     /// Keeps a stretch for later: by then most will have been outdone.

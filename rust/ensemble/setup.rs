@@ -68,6 +68,8 @@ pub(super) struct Layout {
     pub damped: bool,
     /// Outputs into which velocities enter.
     pub by_rate: Vec<bool>,
+    /// Legs at whose start an output's slope may jump: a load's, where its own gear meets a station.
+    pub kinks: Vec<Vec<usize>>,
     /// Whether slopes or elevations enter an output.
     pub lines: bool,
     /// Whether elevations do.
@@ -118,28 +120,16 @@ pub(super) struct Reading {
     pub first: Vec<f64>,
     /// Rate of the straight-line part over a leg per rise.
     pub rate: Vec<f64>,
-    /// Weights of |d|, |ẏ/ω| and of the groups' rises before and after their stations in a bound on
-    /// the bulge of the output above its values at the ends of any leg; the same for its swing.
-    pub bulge: [Bound; 2],
+    /// Weights of the magnitudes of a period's rows, but for heights, in a bound on the bulge of the
+    /// output above its values at two kinks, one after the other; the same for its swing.
+    pub bulge: [Vec<f64>; 2],
+    /// Squares of times as shares of the longest one between two kinks: from the last kink to each,
+    /// and of each leg.
+    pub span: Vec<f64>,
+    pub leg: Vec<f64>,
     /// Weights of the products of a period's rows, lower triangle, in ∫F² over a period and over the
     /// tail.
     pub square: [Vec<f64>; 2],
-}
-
-/// See [`Reading::bulge`].
-#[derive(Clone)]
-pub(super) struct Bound {
-    pub state: [Lanes; 2],
-    pub after: Vec<f64>,
-    pub before: Vec<f64>,
-}
-
-impl Bound {
-    fn scaled(mut self, scale: f64) -> Self {
-        self.state = self.state.map(|weights| weights * scale);
-        self.after.iter_mut().chain(&mut self.before).for_each(|weight| *weight *= scale);
-        self
-    }
 }
 
 /// All that the runs of one set-up share.
@@ -185,6 +175,12 @@ fn split(lag: Distance, spacing: f64) -> Result<(usize, f64)> {
         over if over <= harmless => Ok((whole as usize, 0.0)),
         over => Ok((whole as usize, over)),
     }
+}
+
+/// Whether a slope under some gears gives a form of this weight of ḋ a slope: rounding gives none.
+fn jumps(weights: Lanes, climb: Lanes) -> bool {
+    const ROUNDING: f64 = 1e-13;
+    weights.dot(climb).abs() > ROUNDING * weights.abs().dot(climb.abs())
 }
 
 impl Setup {
@@ -247,6 +243,16 @@ impl Setup {
         let accelerations = Form::all(&run, &Quantity::Acceleration(points.to_vec()));
         let forms: Vec<Form> = loads.iter().chain(&accelerations).cloned().collect();
         let any = |weights: &[f64]| weights.iter().any(|&weight| weight != 0.0);
+        let lines = forms.iter().any(Form::has_line);
+        let per_rise = |rate: Lanes| rate * (1.0 / spacing);
+        let climb: Vec<Lanes> = order.iter().map(|&track| per_rise(run.tracks[track].climb)).collect();
+        let kinks = |form: &Form| -> Vec<usize> {
+            let weights = form.d * bank.omega;
+            let kinked =
+                |&leg: &usize| lines || climb[members(leg)].iter().any(|&climb| jumps(weights, climb));
+            let legs: Vec<usize> = (0..rests.len()).filter(kinked).collect();
+            if legs.is_empty() { vec![0] } else { legs }
+        };
         let layout = Layout {
             legs: rests.len(),
             members: (0..rests.len()).map(members).collect(),
@@ -255,33 +261,35 @@ impl Setup {
             loads: loads.len(),
             damped: damping_input,
             by_rate: forms.iter().map(|form| any(&form.v.0)).collect(),
-            lines: forms.iter().any(Form::has_line),
+            kinks: forms.iter().map(kinks).collect(),
+            lines,
             heights: forms.iter().any(|form| any(&form.height) || any(&form.first)),
             datum: order.iter().position(|&track| track == 0).unwrap_or(0),
             groups,
         };
-        let per_rise = |rate: Lanes| rate * (1.0 / spacing);
         let mut setup = Self {
             begin: rests.iter().map(|rest| rest / spacing).collect(),
             part: layout.groups.iter().map(|group| rests[group.leg] / spacing).collect(),
             transition: dt.iter().map(|&dt| bank.over(dt)).collect(),
-            climb: order.iter().map(|&track| per_rise(run.tracks[track].climb)).collect(),
             drag: order.iter().map(|&track| per_rise(run.tracks[track].drag * speed)).collect(),
             static_load: modes.aircraft().static_load().to_vec(),
             readings: Vec::new(),
             lengths: Arc::new(lengths),
             layout: Arc::new(layout),
+            climb,
             dt,
             bank,
             duration,
         };
-        setup.readings = forms.into_iter().map(|form| setup.reading(form, &order, speed / spacing)).collect();
+        let pace = speed / spacing;
+        let readings = forms.into_iter().enumerate();
+        setup.readings = readings.map(|(output, form)| setup.reading(output, form, &order, pace)).collect();
         setup.integrate();
         Ok(setup)
     }
 
     /// `order`: the run's tracks as groups; `pace`: spacings a time unit.
-    fn reading(&self, form: Form, order: &[usize], pace: f64) -> Reading {
+    fn reading(&self, index: usize, form: Form, order: &[usize], pace: f64) -> Reading {
         // Heights: that of the first track grows with its rise, the others with their own less that.
         let mut rate = form.height.clone();
         rate[0] -= form.height[1..].iter().sum::<f64>();
@@ -290,11 +298,23 @@ impl Setup {
         let (rise, rate) = (of_groups(&form.rate, pace), of_groups(&rate, pace));
         let (height, first) = (of_groups(&form.height, 1.0), of_groups(&form.first, 1.0));
         let output = Output::new(form, &self.bank);
-        let longest = self.dt.iter().copied().fold(0.0, f64::max);
+        let (kinks, legs) = (&self.layout.kinks[index], self.dt.len());
+        // Legs from kink to kink; the way to the first one begins in the period before.
+        let before = kinks.iter().cycle().skip(kinks.len() - 1);
+        let way = |(&kink, &before): (&usize, &usize)| before..if kink > before { kink } else { kink + legs };
+        let ways: Vec<Range<usize>> = kinks.iter().zip(before).map(way).collect();
+        let time = |way: &Range<usize>| way.clone().map(|leg| self.dt[leg % legs]).sum::<f64>();
+        let times: Vec<f64> = ways.iter().map(time).collect();
+        let longest = times.iter().copied().fold(0.0, f64::max);
+        let squared = |times: &[f64]| times.iter().map(|time| (time / longest).powi(2)).collect();
+        let (span, leg) = (squared(&times), squared(&self.dt));
+        // A swing goes from one end of a leg to the other; of a way only the ends are looked at.
+        let swings = ways.iter().map(|way| way.len().div_ceil(2)).max().unwrap_or(1);
         let by_bend = self.bend(&output);
         let by_swing = self.bound([Lanes::ZERO; 2], self.lengths.reach(output.amplitude));
-        let bulge = [by_bend.scaled(longest * longest / 8.0), by_swing.scaled(2.0)];
-        Reading { rise, height, first, rate, bulge, square: [Vec::new(), Vec::new()], output }
+        let scaled = |bound: Vec<f64>, scale: f64| bound.iter().map(|weight| weight * scale).collect();
+        let bulge = [scaled(by_bend, longest * longest / 8.0), scaled(by_swing, 2.0 * swings as f64)];
+        Reading { rise, height, first, rate, bulge, span, leg, square: [Vec::new(), Vec::new()], output }
     }
 
     /// A bound on |F″| over all legs of a period.
@@ -302,7 +322,7 @@ impl Setup {
     /// Through lengths, as in [`crate::extremes`], except for modes that oscillate slowly beside a
     /// period. Their F″ hangs on a = p̈ ÷ −ω², which is continuous, and hardly on the rate, which
     /// follows every slope: |a| is at most what it is at the start of the period and what it gains.
-    fn bend(&self, output: &Output) -> Bound {
+    fn bend(&self, output: &Output) -> Vec<f64> {
         let period: f64 = self.dt.iter().sum();
         let crude = self.lengths.reach(output.second);
         let (mut state, mut lengths) = ([Lanes::ZERO; 2], crude);
@@ -323,18 +343,16 @@ impl Setup {
 
     /// state · (|d|, |ẏ/ω|) at the start of a period, and weights · lengths on any of its legs:
     /// lengths do not grow on a leg, and at a station by no more than the steady position jumps.
-    fn bound(&self, state: [Lanes; 2], [y, w]: [Lanes; 2]) -> Bound {
-        let groups = &self.layout.groups;
+    fn bound(&self, state: [Lanes; 2], [y, w]: [Lanes; 2]) -> Vec<f64> {
+        let states =
+            [state[0] + y, state[1] + w].into_iter().flat_map(|part| (0..MODES).map(move |m| part[m]));
         let share = |group: usize| {
             let (beta, gamma) = (self.climb[group].abs(), self.drag[group].abs());
             y.dot(gamma + self.bank.two_zeta * beta) + w.dot(beta)
         };
-        let inner = |group: usize| if groups[group].leg > 0 { 2.0 } else { 0.0 };
-        Bound {
-            state: [state[0] + y, state[1] + w],
-            after: (0..groups.len()).map(share).collect(),
-            before: (0..groups.len()).map(|group| inner(group) * share(group)).collect(),
-        }
+        let after = (0..self.layout.groups.len()).map(share);
+        let before = self.layout.inner().map(|group| 2.0 * share(group));
+        states.chain(after).chain(before).collect()
     }
 
     /// Adds to the readings what holds for whole legs: values at their ends, squares.

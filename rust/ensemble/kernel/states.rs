@@ -4,12 +4,32 @@ use pulp::Simd;
 
 use super::super::setup::MODES;
 use super::super::vector::{Part, Vector, parts};
-use super::{March, Push, Row};
+use super::{March, Push};
 
 impl March<'_> {
+    /// States, and heights where they are needed, at the start of every leg; in the tail there are fewer
+    /// legs.
+    #[inline(always)]
+    pub(super) fn find_states<S: Simd>(&mut self, simd: S, count: usize, legs: usize) {
+        let tail = legs < self.layout.legs;
+        match (legs, self.layout.damped) {
+            (0, _) => self.states[0].iter_mut().zip(&self.state).for_each(|(rows, now)| rows[0] = *now),
+            (1, false) if !tail => self.march_parts::<S, 1, false>(simd, count, legs),
+            (2, false) if !tail => self.march_parts::<S, 2, false>(simd, count, legs),
+            (3, false) if !tail => self.march_parts::<S, 3, false>(simd, count, legs),
+            (2, true) if !tail => self.march_parts::<S, 2, true>(simd, count, legs),
+            (_, false) => self.march_parts::<S, 0, false>(simd, count, legs),
+            (_, true) => self.march_parts::<S, 0, true>(simd, count, legs),
+        }
+        if self.layout.heights {
+            // The tail ends where its next leg begins.
+            self.find_heights(count, if tail { legs + 1 } else { legs });
+        }
+    }
+
     /// States at the start of every leg; `L` legs, any number for 0.
     #[inline(always)]
-    pub(super) fn find_states<S: Simd, const L: usize, const DAMPED: bool>(
+    fn march_parts<S: Simd, const L: usize, const DAMPED: bool>(
         &mut self,
         simd: S,
         count: usize,
@@ -17,16 +37,33 @@ impl March<'_> {
     ) {
         for part in parts(simd) {
             if L == 0 {
-                let mut pushes: Vec<_> = self.pushes.iter().map(|push| loaded(part, push)).collect();
+                let mut pushes: Vec<_> =
+                    (0..self.layout.legs).map(|leg| self.push::<S, DAMPED>(part, leg, 0)).collect();
                 self.march::<S, DAMPED>(part, count, legs, &mut pushes);
             } else {
                 let mut pushes = [[[part.all(0.0); MODES]; 2]; L];
-                for (push, kept) in pushes.iter_mut().zip(&self.pushes) {
-                    *push = loaded(part, kept);
+                for (leg, push) in pushes.iter_mut().enumerate() {
+                    *push = self.push::<S, DAMPED>(part, leg, 0);
                 }
                 self.march::<S, DAMPED>(part, count, L, &mut pushes);
             }
         }
+    }
+
+    /// What the rises before, or with `i` + 1 after, the stations of period `i` drive the modes with.
+    #[inline(always)]
+    fn push<S: Simd, const DAMPED: bool>(&self, part: Part<S>, leg: usize, at: usize) -> Push<Vector<S>> {
+        let mut push = [[part.all(0.0); MODES]; 2];
+        for group in self.layout.members[leg].clone() {
+            let rise = part.load(&self.ground[group].rise[at]);
+            for mode in 0..MODES {
+                push[0][mode] = push[0][mode] + part.load(&self.constants.climb[group][mode]) * rise;
+                if DAMPED {
+                    push[1][mode] = push[1][mode] + part.load(&self.constants.drag[group][mode]) * rise;
+                }
+            }
+        }
+        push
     }
 
     #[inline(always)]
@@ -88,15 +125,11 @@ impl March<'_> {
             part.store(now, &mut all[leg][k][i]);
             part.store(now, &mut state[k]);
         }
-        for (push, kept) in pushes.iter().flatten().flatten().zip(self.pushes.iter_mut().flatten().flatten())
-        {
-            part.store(*push, kept);
-        }
     }
 
     /// Elevations at the start of every leg, as heights above the first group's, and its own rise.
     #[inline(always)]
-    pub(super) fn find_heights(&mut self, count: usize, legs: usize) {
+    fn find_heights(&mut self, count: usize, legs: usize) {
         let Self { layout, constants, ground, heights, origin, .. } = self;
         for leg in 0..legs {
             for (group, out) in heights[leg].iter_mut().enumerate() {
@@ -114,10 +147,4 @@ impl March<'_> {
             }
         }
     }
-}
-
-/// A push in registers.
-#[inline(always)]
-fn loaded<S: Simd>(part: Part<S>, push: &Push<Row>) -> Push<Vector<S>> {
-    [part.load_all(&push[0]), part.load_all(&push[1])]
 }

@@ -1,0 +1,339 @@
+//! The stretches that may hold a record between the places looked at, gone over again: by then most
+//! of them have been outdone.
+
+use pulp::Simd;
+
+use super::super::records::{Candidate, Records};
+use super::super::setup::{Layout, MODES};
+use super::super::vector::{Mask, Part, Vector, parts};
+use super::look::Reach;
+use super::view::{Place, View};
+use super::{CHUNK, Ground, March, Row};
+use crate::lanes::Lanes;
+use crate::transition::{Drive, State};
+
+/// Stretches of one run kept before those that no longer matter are thrown out.
+const MANY: usize = 32;
+
+/// Chunks on which a run may exceed the records it has reached at the ends of legs: the numbers of
+/// one after the other.
+#[derive(Clone)]
+pub(super) struct Stretches {
+    numbers: Vec<f64>,
+    /// Numbers of one.
+    size: usize,
+    /// How many numbers there are when it is time to throw out.
+    many: usize,
+    /// Where to go on when they are gone over again.
+    at: usize,
+}
+
+impl Stretches {
+    /// For so many outputs.
+    pub fn new(layout: &Layout, outputs: usize) -> Self {
+        let rows = layout.groups.len() * (CHUNK + 1);
+        let size = 2 * MODES + rows * if layout.heights { 2 } else { 1 } + 3 * outputs;
+        Self { numbers: Vec::new(), size, many: 0, at: 0 }
+    }
+
+    pub fn restart(&mut self) {
+        self.numbers.clear();
+        (self.many, self.at) = (MANY * self.size, 0);
+    }
+
+    /// One more, to be filled in; when there are many, without those that no longer matter.
+    fn add(&mut self, matters: impl Fn(&[f64]) -> bool) -> &mut [f64] {
+        if self.numbers.len() >= self.many {
+            let mut kept = 0;
+            for begin in (0..self.numbers.len()).step_by(self.size) {
+                if matters(&self.numbers[begin..begin + self.size]) {
+                    self.numbers.copy_within(begin..begin + self.size, kept);
+                    kept += self.size;
+                }
+            }
+            self.numbers.truncate(kept);
+            self.many = self.many.max(2 * kept);
+        }
+        let begin = self.numbers.len();
+        self.numbers.resize(begin + self.size, 0.0);
+        &mut self.numbers[begin..]
+    }
+
+    /// The next that matters.
+    fn next(&mut self, matters: impl Fn(&[f64]) -> bool) -> Option<&[f64]> {
+        while let Some(stretch) = self.numbers.get(self.at..self.at + self.size) {
+            self.at += self.size;
+            if matters(stretch) {
+                return Some(stretch);
+            }
+        }
+        None
+    }
+}
+
+impl Reach {
+    /// Runs that may break these records.
+    #[inline(always)]
+    pub fn runs<S: Simd>(&self, part: Part<S>, [high, low]: [Vector<S>; 2]) -> Mask<S> {
+        let [top, bottom] = part.load_all(&self.bounds);
+        top.above(high) | bottom.above(low)
+    }
+}
+
+/// Whether a record of a run may be broken on a stretch: its last numbers are the bounds.
+fn matters(records: &Records, lane: usize) -> impl Fn(&[f64]) -> bool {
+    move |stretch| {
+        let bounds = &stretch[stretch.len() - 2 * records.len()..];
+        let breaks = |(at, &bound): (usize, &f64)| bound > records.best_of(at / 2, at % 2, lane);
+        bounds.iter().enumerate().any(breaks)
+    }
+}
+
+impl March<'_> {
+    /// Keeps a chunk of the block for a run: state, rises and, where they are needed, elevations; bends
+    /// and bounds.
+    pub(super) fn keep(&mut self, chunk: usize, lane: usize) {
+        let Self { layout, ground, states, reaches, stretches, records, .. } = self;
+        let first = CHUNK * chunk;
+        let mut rest = stretches[lane].add(matters(records, lane));
+        let mut take = |rows: &[Row]| {
+            let (numbers, others) = std::mem::take(&mut rest).split_at_mut(rows.len());
+            numbers.iter_mut().zip(rows).for_each(|(number, row)| *number = row[lane]);
+            rest = others;
+        };
+        for rows in &states[0] {
+            take(&rows[first..=first]);
+        }
+        for Ground { rise, z } in ground {
+            take(&rise[first..=first + CHUNK]);
+            if layout.heights {
+                take(&z[first..=first + CHUNK]);
+            }
+        }
+        for reaches in &*reaches {
+            take(std::slice::from_ref(&reaches[chunk].bend));
+        }
+        for reaches in reaches {
+            take(&reaches[chunk].bounds);
+        }
+    }
+
+    /// Puts the runs on their next stretches; whether there were any.
+    pub(super) fn go_back(&mut self) -> bool {
+        let Self { layout, ground, state, reaches, stretches, records, .. } = self;
+        let mut any = false;
+        for (lane, stretches) in stretches.iter_mut().enumerate() {
+            let Some(stretch) = stretches.next(matters(records, lane)) else {
+                for reaches in &mut *reaches {
+                    reaches[0].bounds.iter_mut().for_each(|bound| bound[lane] = f64::NEG_INFINITY);
+                }
+                continue;
+            };
+            any = true;
+            let mut rest = stretch;
+            let mut put = |rows: &mut [Row]| {
+                let (numbers, others) = rest.split_at(rows.len());
+                rows.iter_mut().zip(numbers).for_each(|(row, &number)| row[lane] = number);
+                rest = others;
+            };
+            put(state);
+            for Ground { rise, z } in &mut *ground {
+                put(&mut rise[..=CHUNK]);
+                if layout.heights {
+                    put(&mut z[..=CHUNK]);
+                }
+            }
+            for reaches in &mut *reaches {
+                put(std::slice::from_mut(&mut reaches[0].bend));
+            }
+            for reaches in &mut *reaches {
+                put(&mut reaches[0].bounds);
+            }
+        }
+        any
+    }
+
+    /// Keeps the legs of a chunk that may hold a record.
+    #[inline(always)]
+    pub(super) fn sift<S: Simd>(&mut self, simd: S, chunk: usize, count: usize, legs: usize) {
+        // Apart while the rest is read.
+        let mut records = std::mem::take(&mut self.records);
+        for output in 0..self.reaches.len() {
+            for part in parts(simd) {
+                let block = (count, legs);
+                match (self.layout.by_rate[output], self.layout.lines) {
+                    (false, false) => {
+                        View::<S, false, false>::new(self, part, output, block).sift(&mut records, chunk);
+                    }
+                    (true, false) => {
+                        View::<S, true, false>::new(self, part, output, block).sift(&mut records, chunk);
+                    }
+                    (_, true) => {
+                        View::<S, true, true>::new(self, part, output, block).sift(&mut records, chunk);
+                    }
+                }
+            }
+        }
+        self.records = records;
+    }
+
+    /// How far an output may bulge on a leg of a period, at most, if the leg lasts as long as the
+    /// longest way between two places looked at.
+    #[inline(always)]
+    fn own_bulge<S: Simd>(&self, part: Part<S>, weights: &[Row], i: usize) -> Vector<S> {
+        let (states, rises) = weights.split_at(2 * MODES);
+        let (rises, inner) = rises.split_at(self.ground.len());
+        let mut bound = part.all(0.0);
+        for (weight, states) in states.iter().zip(&self.states[0]) {
+            bound = bound + part.load(weight) * part.load(&states[i]).abs();
+        }
+        for (weight, ground) in rises.iter().zip(&self.ground) {
+            bound = bound + part.load(weight) * part.load(&ground.rise[i + 1]).abs();
+        }
+        for (weight, group) in inner.iter().zip(self.layout.inner()) {
+            bound = bound + part.load(weight) * part.load(&self.ground[group].rise[i]).abs();
+        }
+        bound
+    }
+
+    /// A leg of one run as a stretch to be searched.
+    fn candidate(&self, output: usize, leg: usize, i: usize, lane: usize, bound: f64) -> Candidate {
+        let weights = &self.constants.weights[output];
+        let none = Lanes::ZERO;
+        let mut state = State { d: none, v: none, p: none };
+        let mut drive = Drive { beta: none, gamma: none };
+        let (mut start, mut growth) = (0.0, 0.0);
+        for mode in 0..MODES {
+            state.d[mode] = self.states[leg][mode][i][lane];
+            state.v[mode] = self.states[leg][MODES + mode][i][lane];
+        }
+        for group in 0..self.ground.len() {
+            let met = usize::from(self.layout.groups[group].leg <= leg);
+            let rise = self.ground[group].rise[i + met][lane];
+            for mode in 0..MODES {
+                drive.beta[mode] += self.constants.climb[group][mode][lane] * rise;
+                drive.gamma[mode] += self.constants.drag[group][mode][lane] * rise;
+            }
+            start += weights.rise[group][lane] * rise;
+            growth += (weights.end_rise[leg][group][lane] - weights.rise[group][lane]) * rise;
+            if self.layout.heights {
+                start += weights.height[group][lane] * self.heights[leg][group][i][lane]
+                    + weights.first[group][lane] * self.first[group][lane];
+            }
+        }
+        Candidate { bound, leg, state, drive, start, growth }
+    }
+}
+
+impl<S: Simd, const RATES: bool, const LINES: bool> View<'_, '_, S, RATES, LINES> {
+    /// See [`March::sift`].
+    #[inline(always)]
+    fn sift(&self, records: &mut Records, chunk: usize) {
+        let Self { march, part, output, .. } = *self;
+        let reach = &march.reaches[output][chunk];
+        let (bend, runs) = (part.load(&reach.bend), reach.runs(part, records.best(part, output)));
+        if !runs.any() {
+            return;
+        }
+        let periods = self.periods(chunk);
+        let first = (0, periods.start);
+        let mut from = first;
+        let mut start = self.after(from);
+        for i in periods.clone() {
+            for (kink, &leg) in self.kinks.iter().enumerate() {
+                let to = (leg, i);
+                if to == first {
+                    continue;
+                }
+                let end = self.before(from, to);
+                self.look_between(records, (from, to), (start, end), kink, bend, runs);
+                (from, start) = (to, if LINES { self.after(to) } else { end });
+            }
+        }
+        let to = self.end(periods.end);
+        let kinks = &march.layout.kinks[output];
+        // On the way to the next one.
+        let kink = kinks.partition_point(|&leg| leg < to.0) % kinks.len();
+        self.look_between(records, (from, to), (start, self.before(from, to)), kink, bend, runs);
+    }
+
+    /// Weighs the legs on the way to a kink, if one of `runs` may have a record there: by the block's
+    /// bound, which is at hand, then by those of the periods on the way.
+    #[inline(always)]
+    fn look_between(
+        &self,
+        records: &mut Records,
+        (from, to): (Place, Place),
+        (start, end): (Vector<S>, Vector<S>),
+        kink: usize,
+        bend: Vector<S>,
+        runs: Mask<S>,
+    ) {
+        let Self { march, part, output, .. } = *self;
+        let weights = &march.constants.weights[output];
+        let (share, best) = (part.load(&weights.span[kink]), records.best(part, output));
+        let runs = runs & summits(part, (start, end), bend * share, best);
+        if !runs.any() {
+            return;
+        }
+        let mut bend = march.own_bulge(part, &weights.bulge[0], from.1);
+        if to.0 > 0 && to.1 > from.1 {
+            bend = bend.max(march.own_bulge(part, &weights.bulge[0], to.1));
+        }
+        let runs = runs & summits(part, (start, end), bend * share, best);
+        let mut place = from;
+        while runs.any() && place != to {
+            self.weigh(records, place, runs);
+            place = march.layout.after(place.0, place.1);
+        }
+    }
+
+    /// Keeps a leg for the runs that may have a record on it.
+    #[inline(always)]
+    fn weigh(&self, records: &mut Records, place: Place, runs: Mask<S>) {
+        let Self { march, part, output, .. } = *self;
+        let (leg, i) = place;
+        let (start, end) = (self.after(place), self.before(place, march.layout.after(leg, i)));
+        let none = part.all(f64::NEG_INFINITY);
+        let (top, bottom) = (start.max(end), start.min(end));
+        let of_runs = [runs.choose(top, none), runs.choose(bottom, part.all(f64::INFINITY))];
+        records.see(part, output, of_runs[0], of_runs[1]);
+        let weights = &march.constants.weights[output];
+        let [by_bend, by_swing] = &weights.bulge;
+        let bend = march.own_bulge(part, by_bend, i) * part.load(&weights.leg[leg]);
+        let runs = runs & summits(part, (start, end), bend, records.best(part, output));
+        if !runs.any() {
+            return;
+        }
+        let (step, mean) = (end - start, part.all(0.5) * (start + end));
+        let over = bend + step * step / (part.all(16.0) * bend);
+        let swing = march.own_bulge(part, by_swing, i);
+        let bounds = [(mean + over).min(top + swing), (over - mean).min(swing - bottom)];
+        for side in 0..2 {
+            let mut row = Row::ZERO;
+            part.store(runs.choose(bounds[side], none), &mut row);
+            for lane in part.lanes() {
+                if row[lane] > records.best_of(output, side, lane) {
+                    records.keep(output, side, lane, march.candidate(output, leg, i, lane, row[lane]));
+                }
+            }
+        }
+    }
+}
+
+/// Where F may exceed a record between two values.
+///
+/// Where |F″| h²/8 ≤ B and the values at the ends differ by D, F has no summit between them if
+/// |D| ≥ 4B; else it stays below their mean + B + D²/(16B).
+#[inline(always)]
+fn summits<S: Simd>(
+    part: Part<S>,
+    (start, end): (Vector<S>, Vector<S>),
+    bend: Vector<S>,
+    [high, low]: [Vector<S>; 2],
+) -> Mask<S> {
+    let (step, mean) = (end - start, part.all(0.5) * (start + end));
+    let (square, sixteen) = (step * step, part.all(16.0) * bend);
+    let over = square.above(sixteen * ((high - mean) - bend)) | square.above(sixteen * ((low + mean) - bend));
+    over & (part.all(4.0) * bend).above(step.abs())
+}

@@ -1,0 +1,142 @@
+//! One output's values on the way.
+
+use std::ops::Range;
+
+use pulp::Simd;
+
+use super::super::constants::States;
+use super::super::setup::MODES;
+use super::super::vector::{Part, Vector};
+use super::{CHUNK, March, MoreRows};
+
+/// A place on the way: where a leg of a period begins.
+pub(super) type Place = (usize, usize);
+
+/// One output of a register's runs over a block; `RATES` where velocities enter, `LINES` where slopes
+/// or elevations do, so that it may jump.
+pub(super) struct View<'m, 'a, S: Simd, const RATES: bool, const LINES: bool> {
+    pub march: &'m March<'a>,
+    pub part: Part<S>,
+    pub output: usize,
+    weights: States<Vector<S>>,
+    /// Legs, of those that there are, at whose start its slope may jump.
+    pub kinks: &'m [usize],
+    pub count: usize,
+    legs: usize,
+}
+
+impl<'m, 'a, S: Simd, const RATES: bool, const LINES: bool> View<'m, 'a, S, RATES, LINES> {
+    #[inline(always)]
+    pub fn new(march: &'m March<'a>, part: Part<S>, output: usize, (count, legs): (usize, usize)) -> Self {
+        let weights = part.load_all(&march.constants.weights[output].state);
+        let kinks = &march.layout.kinks[output][..];
+        let kinks = &kinks[..kinks.partition_point(|&leg| leg < legs)];
+        Self { march, part, output, weights, kinks, count, legs }
+    }
+
+    #[inline(always)]
+    pub fn periods(&self, chunk: usize) -> Range<usize> {
+        CHUNK * chunk..self.count.min(CHUNK * (chunk + 1))
+    }
+
+    /// Where so many periods end.
+    #[inline(always)]
+    pub fn end(&self, periods: usize) -> Place {
+        self.march.layout.after(self.legs - 1, periods - 1)
+    }
+
+    /// The largest and the smallest value in a chunk, which starts with this one, and the last.
+    #[inline(always)]
+    pub fn edges(&self, chunk: usize, start: Vector<S>) -> ([Vector<S>; 2], Vector<S>) {
+        let periods = self.periods(chunk);
+        let mut from = (0, periods.start);
+        let [mut top, mut bottom] = [start; 2];
+        if LINES {
+            for i in periods.clone() {
+                for &leg in self.kinks {
+                    let (before, after) = (self.before(from, (leg, i)), self.after((leg, i)));
+                    (top, bottom) = (top.max(before).max(after), bottom.min(before).min(after));
+                    from = (leg, i);
+                }
+            }
+        } else {
+            for &leg in self.kinks {
+                let states = &self.march.states[leg];
+                for i in periods.clone() {
+                    let value = value::<S, RATES>(self.part, &self.weights, states, i);
+                    (top, bottom) = (top.max(value), bottom.min(value));
+                }
+            }
+        }
+        let end = self.before(from, self.end(periods.end));
+        ([top.max(end), bottom.min(end)], end)
+    }
+
+    /// The value just after a place.
+    #[inline(always)]
+    pub fn after(&self, (leg, i): Place) -> Vector<S> {
+        let value = value::<S, RATES>(self.part, &self.weights, &self.march.states[leg], i);
+        if LINES { value + self.march.lines(self.part, self.output, (leg, i), false) } else { value }
+    }
+
+    /// The value just before a place, on the way from another; with lines, one leg later.
+    #[inline(always)]
+    pub fn before(&self, from: Place, (leg, i): Place) -> Vector<S> {
+        let value = value::<S, RATES>(self.part, &self.weights, &self.march.states[leg], i);
+        // Between a place and itself, nothing.
+        if LINES && from != (leg, i) {
+            value + self.march.lines(self.part, self.output, from, true)
+        } else if LINES {
+            self.after(from)
+        } else {
+            value
+        }
+    }
+}
+
+impl March<'_> {
+    /// What elevations and slopes add to values at the starts, or just before the ends, of legs.
+    #[inline(always)]
+    pub(super) fn lines<S: Simd>(
+        &self,
+        part: Part<S>,
+        output: usize,
+        (leg, i): (usize, usize),
+        at_end: bool,
+    ) -> Vector<S> {
+        let weights = &self.constants.weights[output];
+        let rises = if at_end { &weights.end_rise[leg] } else { &weights.rise };
+        let mut line = part.all(0.0);
+        for group in 0..self.ground.len() {
+            let met = usize::from(self.layout.groups[group].leg <= leg);
+            line = line + part.load(&rises[group]) * part.load(&self.ground[group].rise[i + met]);
+            if self.layout.heights {
+                let height = part.load(&weights.height[group]) * part.load(&self.heights[leg][group][i]);
+                line = line + (height + part.load(&weights.first[group]) * part.load(&self.first[group]));
+            }
+        }
+        line
+    }
+}
+
+/// What a state gives; without rates, displacements alone.
+#[inline(always)]
+pub(super) fn value<S: Simd, const RATES: bool>(
+    part: Part<S>,
+    weights: &States<Vector<S>>,
+    states: &States<MoreRows>,
+    i: usize,
+) -> Vector<S> {
+    let mut value = weights[0] * part.load(&states[0][i]);
+    for k in 1..MODES {
+        value = value + weights[k] * part.load(&states[k][i]);
+    }
+    if RATES {
+        let mut rates = weights[MODES] * part.load(&states[MODES][i]);
+        for k in MODES + 1..2 * MODES {
+            rates = rates + weights[k] * part.load(&states[k][i]);
+        }
+        value = value + rates;
+    }
+    value
+}

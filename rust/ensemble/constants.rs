@@ -15,7 +15,10 @@ pub(super) fn of_lane(setups: &[Setup], lane: usize) -> &Setup {
 
 /// A number of every lane's set-up.
 fn gather(setups: &[Setup], part: impl Fn(&Setup) -> f64) -> Row {
-    Row(std::array::from_fn(|lane| part(of_lane(setups, lane))))
+    match setups {
+        [shared] => Row::all(part(shared)),
+        _ => Row(std::array::from_fn(|lane| part(of_lane(setups, lane)))),
+    }
 }
 
 /// One mode's transition over a leg.

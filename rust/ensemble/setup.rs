@@ -363,12 +363,12 @@ impl Setup {
         let rows = layout.rows();
         let mut squares = vec![[DMatrix::zeros(rows, rows), DMatrix::zeros(rows, rows)]; self.readings.len()];
         let forms: Vec<_> = self.readings.iter().map(|reading| self.functional(reading)).collect();
+        let mut work = DVector::zeros(at.nrows());
         for leg in 0..layout.legs {
-            for (gramian, squares) in self.gramians(&forms, self.dt[leg]).iter().zip(&mut squares) {
-                let square = at.transpose() * gramian * &at;
-                squares[0] += &square;
+            for (gramian, [whole, tail]) in self.gramians(&forms, self.dt[leg]).iter().zip(&mut squares) {
+                whole.quadform_with_workspace(&mut work, 1.0, gramian, &at, 1.0);
                 if leg < layout.tail {
-                    squares[1] += square;
+                    tail.copy_from(whole);
                 }
             }
             let after = self.matrix(self.dt[leg]) * &at;
@@ -400,19 +400,16 @@ impl Setup {
     fn follow(&self, after: &DMatrix<f64>, square: &mut DMatrix<f64>) {
         let inner: Vec<(usize, usize)> =
             self.layout.inner_rows().zip(self.layout.inner().map(|group| 2 * MODES + group)).collect();
-        let mut moved = DMatrix::zeros(square.nrows(), square.ncols());
         for &(row, earlier) in &inner {
-            for state in 0..2 * MODES {
-                for (column, part) in after.row(state).iter().enumerate() {
-                    moved[(column, earlier)] += square[(row, state)] * part;
-                    moved[(earlier, column)] += square[(row, state)] * part;
-                }
+            let weights = square.view((row, 0), (1, 2 * MODES)) * after.rows(0, 2 * MODES);
+            for (column, weight) in weights.iter().enumerate() {
+                square[(column, earlier)] += weight;
+                square[(earlier, column)] += weight;
             }
             for &(column, as_early) in &inner {
-                moved[(earlier, as_early)] += square[(row, column)];
+                square[(earlier, as_early)] += square[(row, column)];
             }
         }
-        *square += moved;
     }
 
     /// A leg's vector at its start, but for state and heights, from a period's rows: one a leg.
@@ -489,11 +486,12 @@ impl Setup {
         let (doublings, mut time) = self.bank.halved(time);
         let size = forms.first().map_or(0, DVector::len);
         let mut sums = vec![DMatrix::zeros(size, size); forms.len()];
+        let mut row = DVector::zeros(size);
         for (node, weight) in GAUSS {
             for node in [-node, node] {
-                let transposed = self.matrix(0.5 * time * (1.0 + node)).transpose();
+                let step = self.matrix(0.5 * time * (1.0 + node));
                 for (sum, form) in sums.iter_mut().zip(forms) {
-                    let row = &transposed * form;
+                    step.tr_mul_to(form, &mut row);
                     sum.ger(0.5 * time * weight, &row, &row, 1.0);
                 }
             }
@@ -501,8 +499,8 @@ impl Setup {
         for _ in 0..doublings {
             let step = self.matrix(time);
             for sum in &mut sums {
-                let later = step.transpose() * &*sum * &step;
-                *sum += later;
+                let first = sum.clone();
+                sum.quadform_with_workspace(&mut row, 1.0, &first, &step, 1.0);
             }
             time *= 2.0;
         }

@@ -27,7 +27,7 @@ use look::Reach;
 use sift::Stretches;
 
 /// Periods of a block.
-pub(super) const PERIODS: usize = 64;
+pub(super) const PERIODS: usize = 128;
 
 /// Periods of which the largest and the smallest value are known.
 const CHUNK: usize = 8;
@@ -255,7 +255,6 @@ impl<R: Reader> WithSimd for Block<'_, '_, R> {
         let (mut count, mut tail, again) = (CHUNK, false, matches!(way, Way::Again));
         if let Way::On { reader, stations, period, count: periods } = way {
             march.read_ground(simd, reader, stations, period, periods);
-            march.find_rises(simd, periods);
             (count, tail) = (periods, period == march.layout.periods);
         }
         // The tail: only so many legs of a period.
@@ -282,21 +281,6 @@ impl<R: Reader> WithSimd for Block<'_, '_, R> {
             for ground in &mut march.ground {
                 ground.z[PERIODS] = ground.z[count];
                 ground.rise[PERIODS] = ground.rise[count];
-            }
-        }
-    }
-}
-
-impl March<'_> {
-    /// Rises up to the stations met.
-    #[inline(always)]
-    fn find_rises<S: Simd>(&mut self, simd: S, count: usize) {
-        for Ground { z, rise } in &mut self.ground {
-            let (z, rise) = (&z[..=count], &mut rise[..=count]);
-            for part in parts(simd) {
-                for i in 0..count {
-                    part.store(part.load(&z[i + 1]) - part.load(&z[i]), &mut rise[i + 1]);
-                }
             }
         }
     }

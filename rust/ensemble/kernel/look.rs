@@ -10,7 +10,7 @@ use super::view::{View, value};
 use super::{CHUNK, March, PERIODS, RUNS, Row, ZERO};
 
 /// Periods of a run on most of whose chunks there is something to be found: they are sifted at once.
-const SHORT: usize = 3 * PERIODS;
+const SHORT: usize = 192;
 
 /// One output on a stretch.
 #[derive(Clone, Copy)]

@@ -31,8 +31,7 @@ pub(super) struct Stretches {
 impl Stretches {
     /// For so many outputs.
     pub fn new(layout: &Layout, outputs: usize) -> Self {
-        let rows = layout.groups.len() * (CHUNK + 1);
-        let size = 2 * MODES + rows * if layout.heights { 2 } else { 1 } + 3 * outputs;
+        let size = 2 * MODES + layout.groups.len() * (CHUNK + 2) + 3 * outputs;
         Self { numbers: Vec::new(), size, many: 0, at: 0 }
     }
 
@@ -90,10 +89,9 @@ fn matters(records: &Records, lane: usize) -> impl Fn(&[f64]) -> bool {
 }
 
 impl March<'_> {
-    /// Keeps a chunk of the block for a run: state, rises and, where they are needed, elevations; bends
-    /// and bounds.
+    /// Keeps a chunk of the block for a run: state, last rises and elevations, bends and bounds.
     pub(super) fn keep(&mut self, chunk: usize, lane: usize) {
-        let Self { layout, ground, states, reaches, stretches, records, .. } = self;
+        let Self { ground, states, reaches, stretches, records, .. } = self;
         let first = CHUNK * chunk;
         let mut rest = stretches[lane].add(matters(records, lane));
         let mut take = |rows: &[Row]| {
@@ -105,10 +103,8 @@ impl March<'_> {
             take(&rows[first..=first]);
         }
         for Ground { rise, z } in ground {
-            take(&rise[first..=first + CHUNK]);
-            if layout.heights {
-                take(&z[first..=first + CHUNK]);
-            }
+            take(&rise[first..=first]);
+            take(&z[first..=first + CHUNK]);
         }
         for reaches in &*reaches {
             take(std::slice::from_ref(&reaches[chunk].bend));
@@ -120,7 +116,7 @@ impl March<'_> {
 
     /// Puts the runs on their next stretches; whether there were any.
     pub(super) fn go_back(&mut self) -> bool {
-        let Self { layout, ground, state, reaches, stretches, records, .. } = self;
+        let Self { ground, state, reaches, stretches, records, .. } = self;
         let mut any = false;
         for (lane, stretches) in stretches.iter_mut().enumerate() {
             let Some(stretch) = stretches.next(matters(records, lane)) else {
@@ -138,10 +134,8 @@ impl March<'_> {
             };
             put(state);
             for Ground { rise, z } in &mut *ground {
-                put(&mut rise[..=CHUNK]);
-                if layout.heights {
-                    put(&mut z[..=CHUNK]);
-                }
+                put(&mut rise[..1]);
+                put(&mut z[..=CHUNK]);
             }
             for reaches in &mut *reaches {
                 put(std::slice::from_mut(&mut reaches[0].bend));

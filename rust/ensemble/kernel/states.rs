@@ -4,11 +4,11 @@ use pulp::Simd;
 
 use super::super::setup::MODES;
 use super::super::vector::{Part, Vector, parts};
-use super::{March, Push};
+use super::{Ground, March, Push};
 
 impl March<'_> {
-    /// States, and heights where they are needed, at the start of every leg; in the tail there are fewer
-    /// legs.
+    /// Rises, states and, where they are needed, heights at the start of every leg; in the tail there
+    /// are fewer legs.
     #[inline(always)]
     pub(super) fn find_states<S: Simd>(&mut self, simd: S, count: usize, legs: usize) {
         let tail = legs < self.layout.legs;
@@ -20,6 +20,11 @@ impl March<'_> {
             (2, true) if !tail => self.march_parts::<S, 2, true>(simd, count, legs),
             (_, false) => self.march_parts::<S, 0, false>(simd, count, legs),
             (_, true) => self.march_parts::<S, 0, true>(simd, count, legs),
+        }
+        // Gears that the tail leaves out.
+        let met = self.layout.members[..legs].last().map_or(0, |members| members.end);
+        for Ground { z, rise } in &mut self.ground[met..] {
+            rise[1] = z[1] - z[0];
         }
         if self.layout.heights {
             // The tail ends where its next leg begins.
@@ -38,24 +43,24 @@ impl March<'_> {
         for part in parts(simd) {
             if L == 0 {
                 let mut pushes: Vec<_> =
-                    (0..self.layout.legs).map(|leg| self.push::<S, DAMPED>(part, leg, 0)).collect();
+                    (0..self.layout.legs).map(|leg| self.last_push::<S, DAMPED>(part, leg)).collect();
                 self.march::<S, DAMPED>(part, count, legs, &mut pushes);
             } else {
                 let mut pushes = [[[part.all(0.0); MODES]; 2]; L];
                 for (leg, push) in pushes.iter_mut().enumerate() {
-                    *push = self.push::<S, DAMPED>(part, leg, 0);
+                    *push = self.last_push::<S, DAMPED>(part, leg);
                 }
                 self.march::<S, DAMPED>(part, count, L, &mut pushes);
             }
         }
     }
 
-    /// What the rises before, or with `i` + 1 after, the stations of period `i` drive the modes with.
+    /// What the last rises before the block drive the modes with.
     #[inline(always)]
-    fn push<S: Simd, const DAMPED: bool>(&self, part: Part<S>, leg: usize, at: usize) -> Push<Vector<S>> {
+    fn last_push<S: Simd, const DAMPED: bool>(&self, part: Part<S>, leg: usize) -> Push<Vector<S>> {
         let mut push = [[part.all(0.0); MODES]; 2];
         for group in self.layout.members[leg].clone() {
-            let rise = part.load(&self.ground[group].rise[at]);
+            let rise = part.load(&self.ground[group].rise[0]);
             for mode in 0..MODES {
                 push[0][mode] = push[0][mode] + part.load(&self.constants.climb[group][mode]) * rise;
                 if DAMPED {
@@ -76,7 +81,7 @@ impl March<'_> {
     ) {
         let Self { layout, constants, ground, states, state, .. } = self;
         // Slices: what stands behind a vector would be fetched anew in every period.
-        let (ground, climb, drag) = (&ground[..], &constants.climb[..], &constants.drag[..]);
+        let (ground, climb, drag) = (&mut ground[..], &constants.climb[..], &constants.drag[..]);
         let (members, steps) = (&layout.members[..legs], &constants.steps[..legs]);
         let all = &mut states[..];
         let mut now = part.load_all(state);
@@ -84,7 +89,9 @@ impl March<'_> {
             for leg in 0..legs {
                 let mut push = [[part.all(0.0); MODES]; 2];
                 for group in members[leg].clone() {
-                    let rise = part.load(&ground[group].rise[i + 1]);
+                    let Ground { z, rise: rises } = &mut ground[group];
+                    let rise = part.load(&z[i + 1]) - part.load(&z[i]);
+                    part.store(rise, &mut rises[i + 1]);
                     for mode in 0..MODES {
                         push[0][mode] = push[0][mode] + part.load(&climb[group][mode]) * rise;
                         if DAMPED {

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import plotting, stored, tables_ensemble
+from . import stored, tables_ensemble
+from ._axes import require
 from ._case_output import STANDARD, modes_table, opened, save_figure, stated_speed, told
 from ._core import InputError
 from ._input import integer
@@ -72,7 +73,7 @@ def _check(wanted: Mapping[str, str]) -> None:
     if wanted["parquet"]:
         stored.require()
     if wanted["figure"]:
-        plotting.require()
+        require()
         from matplotlib.figure import Figure
 
         kinds = Figure().canvas.get_supported_filetypes()

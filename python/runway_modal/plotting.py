@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from ._axes import COLORS, axis_label, legend_above, load_unit, mark_static, new_axes, require
 from ._core import InputError
-from .units import LENGTH, THOUSAND, TIME
+from .units import LENGTH, TIME
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
     from ._results import Results
     from .profile import Profile
-    from .units import Dimension, Units
+    from .units import Units
 
 
 def loads_over_profile(
@@ -84,9 +85,9 @@ def loads_over_profile(
     ends = np.array([getattr(run, against)[[0, -1]] for run in responses.values()])
     ground.set_xlim(ends.min(), ends.max())
     if against == "time":
-        ground.set_xlabel(_label("time", TIME, units))
+        ground.set_xlabel(axis_label("time", TIME, units))
     else:
-        ground.set_xlabel(_label("distance of the foremost gear", LENGTH, units))
+        ground.set_xlabel(axis_label("distance of the foremost gear", LENGTH, units))
     if title:
         figure.suptitle(title)
     return figure
@@ -98,9 +99,9 @@ def plot_loads(
     """Draw what `Response.plot` documents."""
     shown = response.aircraft.gear_names if gears is None else gears
     columns = _columns(response, {gear: gear for gear in shown})
-    ax = ax or _axes()
+    ax = ax or new_axes()
     _draw_loads(ax, [(gear, response, column) for gear, column in columns], units, "time")
-    ax.set_xlabel(_label("time", TIME, units))
+    ax.set_xlabel(axis_label("time", TIME, units))
     return ax
 
 
@@ -117,7 +118,7 @@ def _draw_loads(
     ax: Axes, lines: Sequence[tuple[str, Results, int]], units: Units | None, against: str
 ) -> None:
     """Draw loads by label, response and column, each static load once."""
-    scale, unit = _load_unit(units)
+    scale, unit = load_unit(units)
     drawn: list[NDArray[np.float64]] = []
     for i, (label, response, column) in enumerate(lines):
         load = response.load[:, column]
@@ -125,14 +126,14 @@ def _draw_loads(
         hidden = sum(np.array_equal(load, other) for other in drawn)
         drawn.append(load)
         ax.plot(
-            getattr(response, against), load / scale, _COLORS[i % len(_COLORS)],
+            getattr(response, against), load / scale, COLORS[i % len(COLORS)],
             ls=("-", "--", ":")[hidden % 3], lw=1.4, label=label,
         )  # fmt: skip
     static = dict.fromkeys(float(run.static_load[column]) / scale for _, run, column in lines)
     for i, level in enumerate(static):
-        _static(ax, level, "0.35", "" if i else "static")
+        mark_static(ax, level, "0.35", "" if i else "static")
     ax.set_ylabel(f"load{unit}")
-    _legend(ax, len(lines) + 1)
+    legend_above(ax, len(lines) + 1)
 
 
 def _draw_elevations(
@@ -156,67 +157,20 @@ def _draw_elevations(
     low, high = min(0.0, response.elevation.min()), max(0.0, response.elevation.max())
     height = high - low or 1.0
     ax.set_ylim(low - 0.15 * height, high + 0.9 * height)
-    ax.set_ylabel(_label("elevation", LENGTH, units))
+    ax.set_ylabel(axis_label("elevation", LENGTH, units))
     ax.legend(loc="upper right", ncols=3, frameon=False, fontsize="small")
     ax.grid(alpha=0.25)
 
 
 def plot_profile(profile: Profile, ax: Axes | None, units: Units | None) -> Axes:
     """Draw what `Profile.plot` documents."""
-    ax = ax or _axes()
+    ax = ax or new_axes()
     x, z = profile.x, profile.z
     # The runway goes on, level, on both sides.
     beyond = 0.1 * (x[-1] - x[0]) or 1.0
     stations = np.concatenate([[x[0] - beyond], x, [x[-1] + beyond]])
     ax.plot(stations, np.concatenate([z[:1], z, z[-1:]]), "k", lw=1.1)
-    ax.set_xlabel(_label("station", LENGTH, units))
-    ax.set_ylabel(_label("elevation", LENGTH, units))
+    ax.set_xlabel(axis_label("station", LENGTH, units))
+    ax.set_ylabel(axis_label("elevation", LENGTH, units))
     ax.grid(alpha=0.25)
     return ax
-
-
-#: Distinct with any colour vision (Okabe and Ito), blue and vermilion first.
-_COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
-
-
-def require() -> None:
-    """Name the extra if matplotlib is not there."""
-    try:
-        import matplotlib as mpl  # noqa: F401
-    except ImportError:
-        raise ImportError("figures need matplotlib: pip install runway_modal[plot]") from None
-
-
-def _axes() -> Axes:
-    require()
-    import matplotlib.pyplot as plt
-
-    return plt.subplots(layout="constrained")[1]
-
-
-def _label(quantity: str, dimension: Dimension, units: Units | None) -> str:
-    """Label of an axis, with its unit if there is one."""
-    return f"{quantity} [{units.name(dimension)}]" if units else quantity
-
-
-def _load_unit(units: Units | None) -> tuple[float, str]:
-    """Divisor of loads and their unit for an axis."""
-    if units is None:
-        return 1.0, ""
-    if units.force in THOUSAND:
-        return 1e3, f" [{THOUSAND[units.force]}]"
-    return 1.0, f" [{units.force}]"
-
-
-def _static(ax: Axes, load: float, color: str, label: str) -> None:
-    ax.axhline(load, color=color, lw=0.9, ls=(0, (6, 3)), label=label)
-
-
-def _legend(ax: Axes, columns: int) -> None:
-    """Legend above the curves."""
-    across = min(columns, 4)
-    rows = -(-len(ax.get_legend_handles_labels()[1]) // across)
-    low, high = ax.get_ylim()
-    ax.set_ylim(low, high + (0.08 + 0.1 * rows) * (high - low))
-    ax.legend(loc="upper right", ncols=across, frameon=False, fontsize="small")
-    ax.grid(alpha=0.25)

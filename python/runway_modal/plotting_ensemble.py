@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ._axes import COLORS, load_unit, new_axes, require
 from ._core import InputError
 from ._quantities import DIMENSIONS, DOWNWARD, LABELS, beyond, labels
-from .plotting import _COLORS, _axes, _load_unit, require
 from .units import FORCE
 
 if TYPE_CHECKING:
@@ -88,10 +88,10 @@ def plot_histogram(
     """Draw what `Ensemble.plot` documents."""
     values = ensemble._sorted(quantity)
     shown = _columns(ensemble, quantity, names)
-    ax = ax or _axes()
+    ax = ax or new_axes()
     scale, unit = _scale(quantity, units)
     for i, (name, column) in enumerate(shown):
-        color, drawn = _COLORS[i % len(_COLORS)], values[:, column] / scale
+        color, drawn = COLORS[i % len(COLORS)], values[:, column] / scale
         bins = min(_BINS, len(np.histogram_bin_edges(drawn, "auto")) - 1)
         ax.hist(drawn, bins, density=True, histtype="stepfilled", fc=color, alpha=0.12)
         # Thin over wide: gears that do the same would hide each other.
@@ -120,7 +120,7 @@ def _mark_static(
         gears.setdefault(float(static[column]), []).append(i)
     for load, which in gears.items():
         label = f"{', '.join(shown[i][0] for i in which)}, static"
-        color = _COLORS[which[0] % len(_COLORS)]
+        color = COLORS[which[0] % len(COLORS)]
         ax.axvline(load / scale, color=color, lw=1.1, ls=(0, (6, 3)), label=label)
 
 
@@ -135,7 +135,7 @@ def plot_exceedance(
     """Draw what `Ensemble.plot_exceedance` documents."""
     values = ensemble._sorted(quantity)
     shown = _columns(ensemble, quantity, names)
-    ax = ax or _axes()
+    ax = ax or new_axes()
     scale, unit = _scale(quantity, units)
     runs, below = values.shape[0], quantity in DOWNWARD
     # As close in every power of ten; the last step ends at the extreme of all runs.
@@ -146,7 +146,7 @@ def plot_exceedance(
         levels = np.unique(np.concatenate((one[:1], levels)))
         found = beyond(ensemble, quantity, levels, confidence=confidence)
         share, low, high = (part[:, column] for part in (found.value, found.low, found.high))
-        color, width = _COLORS[i % len(_COLORS)], 1.1 + 0.7 * (len(shown) - 1 - i)
+        color, width = COLORS[i % len(COLORS)], 1.1 + 0.7 * (len(shown) - 1 - i)
         at = np.append(levels, one[-1]) / scale
         share, low, high = (np.append(part, part[-1]) for part in (share, low, high))
         ax.plot(at, share, color, lw=width, drawstyle="steps-post", label=name)
@@ -176,6 +176,6 @@ def _columns(
 def _scale(quantity: str, units: Units | None) -> tuple[float, str]:
     """Divisor of a quantity for its axis, and its unit there."""
     if DIMENSIONS[quantity] == FORCE:
-        scale, unit = _load_unit(units)
+        scale, unit = load_unit(units)
         return scale, unit.strip(" []")
     return (1.0, "") if units is None else (units.standard_gravity, "g")

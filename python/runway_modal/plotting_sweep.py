@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .plotting import _COLORS, _axes, _legend, _load_unit, _static
+from ._axes import COLORS, legend_above, load_unit, mark_static, new_axes
 from .units import SPEED
 
 if TYPE_CHECKING:
@@ -28,24 +28,24 @@ def plot_loads(
 ) -> Axes:
     """Draw what `Sweep.plot` documents."""
     names = sweep.modes.aircraft.gear_names
-    ax = ax or _axes()
-    scale, unit = _load_unit(units)
+    ax = ax or new_axes()
+    scale, unit = load_unit(units)
     order = np.argsort(sweep.speed)
     speed = _speed(ax, sweep.speed[order], units)
     shown = names if gears is None else gears
     for i, gear in enumerate(shown):
         column = names.index(gear)
-        color = _COLORS[i % len(_COLORS)]
+        color = COLORS[i % len(COLORS)]
         # Thin over wide: gears that do the same would hide each other.
         width = 1.1 + 0.7 * (len(shown) - 1 - i)
         low, high = sweep.min_load[order, column] / scale, sweep.max_load[order, column] / scale
         ax.plot(speed, high, color, lw=width, label=gear)
         ax.plot(speed, low, color, lw=width)
         ax.fill_between(speed, low, high, color=color, alpha=0.12, lw=0)
-        _static(ax, sweep.static_load[column] / scale, color, f"{gear}, static")
+        mark_static(ax, sweep.static_load[column] / scale, color, f"{gear}, static")
     ax.axhline(0.0, color="0.35", lw=0.9)
     ax.set_ylabel(f"largest and smallest load{unit}")
-    _legend(ax, 4)
+    legend_above(ax, 4)
     return ax
 
 
@@ -53,16 +53,16 @@ def plot_accelerations(
     sweep: Sweep, stations: Sequence[str] | None, ax: Axes | None, units: Units | None
 ) -> Axes:
     """Draw what `Sweep.plot_acceleration` documents."""
-    ax = ax or _axes()
+    ax = ax or new_axes()
     order = np.argsort(sweep.speed)
     speed = _speed(ax, sweep.speed[order], units)
     for i, station in enumerate(sweep.max_acceleration if stations is None else stations):
         share = sweep.max_acceleration[station][order] / sweep.modes.aircraft.gravity
-        ax.plot(speed, share, _COLORS[i % len(_COLORS)], lw=1.3, label=station)
+        ax.plot(speed, share, COLORS[i % len(COLORS)], lw=1.3, label=station)
     ax.axhline(ACCELERATION_LIMIT, color="0.2", lw=0.9, ls="--", label="±0.4 g")
     ax.set_ylim(bottom=0.0)
     ax.set_ylabel("largest |vertical acceleration| [g]")
-    _legend(ax, 4)
+    legend_above(ax, 4)
     return ax
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,15 +9,16 @@ import numpy as np
 from . import _core
 from ._core import InputError
 from ._input import number
+from ._tracks import by_gear
 from .modes import Modes
-from .profile import Profile
 from .response import Response
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import ArrayLike
 
-#: Under gears that are left out.
-_LEVEL = Profile._wrap(_core.Profile.level())
+    from .profile import Profile
 
 
 def simulate(
@@ -87,22 +87,9 @@ def simulate(
         raise InputError(f"modes = {modes!r} is not a Modes; see Aircraft.modes")
     if not isinstance(damping_input, (bool, np.bool_)):
         raise InputError(f"damping_input = {damping_input!r} is not True or False")
-    profiles = [profile._core for profile in _by_gear(modes.aircraft.gear_names, tracks)]
+    profiles = [profile._core for profile in by_gear(modes.aircraft.gear_names, tracks)]
     run = _core.Run(modes._core, profiles, number("speed", speed), bool(damping_input))
     if times is not None and duration is not None:
         raise InputError("duration ends the default times; it does not go with times")
     span = None if duration is None else number("duration", duration)
     return Response(run, modes, times=times, duration=span)
-
-
-def _by_gear(names: tuple[str, ...], tracks: Profile | Mapping[str, Profile]) -> list[Profile]:
-    if isinstance(tracks, Profile):
-        return [tracks] * len(names)
-    if not isinstance(tracks, Mapping):
-        raise InputError(f"tracks = {tracks!r} is neither a Profile nor profiles by gear name")
-    for name, profile in tracks.items():
-        if name not in names:
-            raise InputError(f"tracks[{name!r}]: no such gear; there are {names}")
-        if not isinstance(profile, Profile):
-            raise InputError(f"tracks[{name!r}] = {profile!r} is not a Profile")
-    return [tracks.get(name, _LEVEL) for name in names]

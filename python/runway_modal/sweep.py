@@ -10,8 +10,8 @@ import numpy as np
 from . import _core
 from ._core import InputError
 from ._input import array, number, read_only
+from ._tracks import by_gear
 from .modes import Modes
-from .simulate import _by_gear
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -422,7 +422,7 @@ def _course(
         raise InputError(f"modes = {modes!r} is not a Modes; see Aircraft.modes")
     if not isinstance(damping_input, bool | np.bool_):
         raise InputError(f"damping_input = {damping_input!r} is not True or False")
-    profiles = [profile._core for profile in _by_gear(modes.aircraft.gear_names, tracks)]
+    profiles = [profile._core for profile in by_gear(modes.aircraft.gear_names, tracks)]
     return _core.Course(modes._core, profiles, bool(damping_input))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from runway_modal._core import InputError, NumericalError
 from runway_modal._input import number
-from runway_modal.simulate import _by_gear
+from runway_modal._tracks import by_gear
 from runway_modal.simulate import simulate as simulate_linear
 
 from .aircraft import Aircraft
@@ -113,7 +113,7 @@ def simulate(
     modes = aircraft.linearised().modes(0.0)
     # It checks the arguments, knows the default times and gives each scale its size.
     reference = simulate_linear(modes, tracks, speed, times=times, duration=duration)
-    profiles = _by_gear(aircraft.gear_names, tracks)
+    profiles = by_gear(aircraft.gear_names, tracks)
     front = max(gear.x for gear in aircraft.gears)
     ground = stretches(profiles, [front - gear.x for gear in aircraft.gears], speed)
     motion = Motion(aircraft)

@@ -1,0 +1,26 @@
+"""Which profile each gear rolls over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from . import _core
+from ._core import InputError
+from .profile import Profile
+
+#: Under gears that are left out.
+_LEVEL = Profile._wrap(_core.Profile.level())
+
+
+def by_gear(names: tuple[str, ...], tracks: Profile | Mapping[str, Profile]) -> list[Profile]:
+    """One profile a gear, of one for all or some by gear name."""
+    if isinstance(tracks, Profile):
+        return [tracks] * len(names)
+    if not isinstance(tracks, Mapping):
+        raise InputError(f"tracks = {tracks!r} is neither a Profile nor profiles by gear name")
+    for name, profile in tracks.items():
+        if name not in names:
+            raise InputError(f"tracks[{name!r}]: no such gear; there are {names}")
+        if not isinstance(profile, Profile):
+            raise InputError(f"tracks[{name!r}] = {profile!r} is not a Profile")
+    return [tracks.get(name, _LEVEL) for name in names]

@@ -376,19 +376,17 @@ fn march_over<R: Reader>(
     reader.open(runs.start, runs.len(), pulse)?;
     march.start(reader);
     let periods = march.layout.periods;
+    let mut watch = Watch::new(pulse);
     for period in (0..periods).step_by(PERIODS) {
-        pulse()?;
-        march.block(reader, plan.stations, period, PERIODS.min(periods - period));
+        let count = PERIODS.min(periods - period);
+        if !watch.go_on((RUNS * count) as u32) {
+            return watch.outcome;
+        }
+        march.block(reader, plan.stations, period, count);
+        march.relieve::<R>(&mut watch);
     }
     march.block(reader, plan.stations, periods, 1);
-    march.search::<R>();
-    let mut watch = Watch::new(pulse);
-    for (lane, run) in runs.enumerate() {
-        march.read(lane, found, &mut watch);
-        if !found.last_is_finite(plan.gears(), plan.points[0].len()) {
-            found.failed.push(run);
-        }
-    }
+    march.finish::<R>(runs, found, &mut watch);
     watch.outcome
 }
 
@@ -401,7 +399,7 @@ mod tests {
     #[test]
     fn same_bits_from_any_instructions() {
         const RUNS: usize = 19;
-        const STATIONS: usize = 70;
+        const STATIONS: usize = 300;
         let inertia = Inertia { mass: 145.5, pitch: 1.92e6, roll: 6.56e5, gravity: 386.0886 };
         let gear = |name, x, y, stiffness| Gear::new(name, x, y, stiffness, 90.0).unwrap();
         let gears = vec![

@@ -119,7 +119,7 @@ def test_is_simulate(seed, gears, single, stations, spacing, speed, ratio, dampe
             )
 
 
-def runways(runs: int, tracks: int = 3, stations: int = 100) -> NDArray[np.float64]:
+def runways(runs: int, tracks: int = 3, stations: int = 400) -> NDArray[np.float64]:
     return np.cumsum(np.random.default_rng(7).normal(0.0, 0.3, (runs, tracks, stations)), axis=2)
 
 
@@ -147,6 +147,20 @@ def test_alone_as_in_any_batch(damped):
     alike = rm.simulate_many(modes[0], elevations, 10.0, 500.0, damping_input=damped)
     some = rm.simulate_many(modes[0], elevations[3:16], 10.0, 500.0, damping_input=damped)
     assert (bits(some) == bits(alike)[3:16]).all()
+
+
+def test_every_wave_brings_the_record_once_more():
+    # In resonance, from below: all near-records of 20,000 stations would take much memory.
+    modes, speed, x = rm.f4e().modes(0.02), rm.knots(60), 10.0 * np.arange(20_000)
+    wave = np.sin(modes.omega[1] / speed * x)
+    elevations = np.stack([np.stack([wave] * 3), *runways(3, stations=x.size)])
+    found = rm.simulate_many(modes, elevations, 10.0, speed)
+    alone = rm.simulate_many(modes, elevations[:1], 10.0, speed)
+    assert (bits(alone) == bits(found)[:1]).all()
+    expected = one_by_one(modes, elevations[0], 10.0, speed, False).extremes()
+    scale = expected.max_load.max()
+    assert abs(found.max_load[0] - expected.max_load).max() <= TOLERANCE * scale
+    assert abs(found.min_load[0] - expected.min_load).max() <= TOLERANCE * scale
 
 
 def test_any_number_of_threads():

@@ -164,10 +164,28 @@ impl<'a> March<'a> {
         self.arch.dispatch(Block { march: self, way: Way::On { reader, stations, period, count } });
     }
 
-    /// Looks for records between the places looked at so far, when the runs are over.
-    pub fn search<R: Reader>(&mut self) {
-        while self.go_back() {
+    /// Looks for records between the places looked at so far, for runs that have kept much.
+    pub fn relieve<R: Reader>(&mut self, watch: &mut Watch) {
+        let full: [bool; RUNS] = std::array::from_fn(|lane| self.stretches[lane].are_full());
+        if full.contains(&true) {
+            let state = self.state;
+            self.search::<R>(full, watch);
+            self.state = state;
+        }
+    }
+
+    /// Looks for records between the places looked at so far, for some of the runs.
+    fn search<R: Reader>(&mut self, runs: [bool; RUNS], watch: &mut Watch) {
+        while self.go_back(runs) {
             self.arch.dispatch(Block::<R> { march: self, way: Way::Again });
+        }
+        let last = self.searches.len() - 1;
+        for lane in (0..RUNS).filter(|&lane| runs[lane]) {
+            self.stretches[lane].restart();
+            let setup = of_lane(self.setups, lane);
+            for (output, search) in self.searches[lane.min(last)].iter_mut().enumerate() {
+                self.records.settle(setup, (output, lane), search, watch);
+            }
         }
     }
 
@@ -202,30 +220,38 @@ impl<'a> March<'a> {
 
 impl March<'_> {
     /// Whether a run has remained in the range of double precision.
-    pub fn is_finite(&self, lane: usize) -> bool {
+    fn is_finite(&self, lane: usize) -> bool {
         self.flaw[lane] == 0.0
     }
 
-    /// Appends the results of a run that is over; wrong ones once the caller has asked to stop.
-    pub fn read(&mut self, lane: usize, out: &mut Statistics, watch: &mut Watch) {
+    /// Appends the results of so many runs that are over, and the numbers of those without any; wrong
+    /// ones once the caller has asked to stop.
+    pub fn finish<R: Reader>(&mut self, runs: Range<usize>, out: &mut Statistics, watch: &mut Watch) {
+        self.search::<R>(std::array::from_fn(|lane| lane < runs.len() && self.is_finite(lane)), watch);
+        for (lane, run) in runs.enumerate() {
+            self.read(lane, out);
+            if !out.last_is_finite(self.layout.loads, self.searches[0].len() - self.layout.loads) {
+                out.failed.push(run);
+            }
+        }
+    }
+
+    fn read(&self, lane: usize, out: &mut Statistics) {
         let setup = of_lane(self.setups, lane);
-        let last = self.searches.len() - 1;
-        let valid = self.is_finite(lane);
-        for (output, search) in self.searches[lane.min(last)].iter_mut().enumerate() {
+        for (output, square) in self.squares.iter().enumerate() {
             let (mut max, mut min, mut rms) = (f64::NAN, f64::NAN, f64::NAN);
-            if valid {
-                (max, min) = self.records.settle(setup, (output, lane), search, watch);
-                let square = self.squares[output][lane];
+            if self.is_finite(lane) {
+                (max, min) = (self.records.best_of(output, 0, lane), -self.records.best_of(output, 1, lane));
                 // Rounding may leave less than nothing; what is no number stays so.
-                let nothing = square < 0.0 || setup.duration == 0.0;
-                rms = if nothing { 0.0 } else { (square / setup.duration).sqrt() };
+                let nothing = square[lane] < 0.0 || setup.duration == 0.0;
+                rms = if nothing { 0.0 } else { (square[lane] / setup.duration).sqrt() };
             }
             if let Some(level) = setup.static_load.get(output) {
                 out.max_load.push(level + max);
                 out.min_load.push(level + min);
                 out.rms_load.push(rms);
             } else {
-                out.max_acceleration.push(max.max(-min));
+                out.max_acceleration.push(max);
                 out.rms_acceleration.push(rms);
             }
         }

@@ -80,7 +80,7 @@ impl Records {
         part.load_all(&self.records[output].best)
     }
 
-    /// Of one run.
+    /// Of one run: of F, or of −F.
     #[inline(always)]
     pub fn best_of(&self, output: usize, side: usize, lane: usize) -> f64 {
         self.records[output].best[side][lane]
@@ -96,14 +96,14 @@ impl Records {
         list.push(candidate);
     }
 
-    /// True maximum and minimum of an output of one run; of an acceleration, ± its magnitude.
+    /// Searches the legs kept for an output of one run.
     pub fn settle(
         &mut self,
         setup: &Setup,
         (output, lane): (usize, usize),
         search: &mut Output,
         watch: &mut Watch,
-    ) -> (f64, f64) {
+    ) {
         let Record { best, candidates } = &mut self.records[output];
         let magnitude = output >= self.loads;
         search.record =
@@ -125,6 +125,10 @@ impl Records {
             }
             list.clear();
         }
-        (search.record.max, search.record.min)
+        let (max, min) = (search.record.max, -search.record.min);
+        let found = if magnitude { [max.max(min); 2] } else { [max, min] };
+        for (best, found) in best.iter_mut().zip(found) {
+            best[lane] = found;
+        }
     }
 }

@@ -8,12 +8,16 @@ use super::super::setup::{Layout, MODES};
 use super::super::vector::{Mask, Part, Vector, parts};
 use super::look::Reach;
 use super::view::{Place, View};
-use super::{CHUNK, Ground, March, Row};
+use super::{CHUNK, Ground, March, RUNS, Row};
 use crate::lanes::Lanes;
 use crate::transition::{Drive, State};
 
 /// Stretches of one run kept before those that no longer matter are thrown out.
 const MANY: usize = 32;
+
+/// Stretches of one run that matter, kept before they are gone over again: a runway as long as one
+/// likes, on which every wave brings the same load once more, takes no more memory.
+const FULL: usize = 1024;
 
 /// Chunks on which a run may exceed the records it has reached at the ends of legs: the numbers of
 /// one after the other.
@@ -38,6 +42,11 @@ impl Stretches {
     pub fn restart(&mut self) {
         self.numbers.clear();
         (self.many, self.at) = (MANY * self.size, 0);
+    }
+
+    /// Whether it is time to go over them.
+    pub fn are_full(&self) -> bool {
+        self.numbers.len() >= FULL * self.size
     }
 
     /// One more, to be filled in; when there are many, without those that no longer matter.
@@ -114,12 +123,13 @@ impl March<'_> {
         }
     }
 
-    /// Puts the runs on their next stretches; whether there were any.
-    pub(super) fn go_back(&mut self) -> bool {
+    /// Puts some of the runs on their next stretches; whether there were any.
+    pub(super) fn go_back(&mut self, runs: [bool; RUNS]) -> bool {
         let Self { ground, state, reaches, stretches, records, .. } = self;
         let mut any = false;
         for (lane, stretches) in stretches.iter_mut().enumerate() {
-            let Some(stretch) = stretches.next(matters(records, lane)) else {
+            let next = if runs[lane] { stretches.next(matters(records, lane)) } else { None };
+            let Some(stretch) = next else {
                 for reaches in &mut *reaches {
                     reaches[0].bounds.iter_mut().for_each(|bound| bound[lane] = f64::NEG_INFINITY);
                 }

@@ -365,10 +365,10 @@ impl<R: Reader> Worker<'_, R> {
 }
 
 /// Runs up to [`RUNS`] profiles side by side.
-fn march_over<R: Reader>(
+fn march_over(
     plan: &Plan,
     march: &mut March,
-    reader: &mut R,
+    reader: &mut impl Reader,
     runs: Range<usize>,
     found: &mut Statistics,
     pulse: Pulse,
@@ -383,10 +383,10 @@ fn march_over<R: Reader>(
             return watch.outcome;
         }
         march.block(reader, plan.stations, period, count);
-        march.relieve::<R>(&mut watch);
+        march.relieve(&mut watch);
     }
     march.block(reader, plan.stations, periods, 1);
-    march.finish::<R>(runs, found, &mut watch);
+    march.finish(runs, found, &mut watch);
     watch.outcome
 }
 

@@ -161,23 +161,25 @@ impl<'a> March<'a> {
 
     /// The block of `count` periods that begins with `period`, the next one; after the last, the tail.
     pub fn block(&mut self, reader: &mut impl Reader, stations: usize, period: usize, count: usize) {
-        self.arch.dispatch(Block { march: self, way: Way::On { reader, stations, period, count } });
+        let Self { arch, layout, ground, .. } = self;
+        arch.dispatch(Read { layout, ground, reader, stations, period, count });
+        arch.dispatch(Block { march: self, way: Way::On { period, count } });
     }
 
     /// Looks for records between the places looked at so far, for runs that have kept much.
-    pub fn relieve<R: Reader>(&mut self, watch: &mut Watch) {
+    pub fn relieve(&mut self, watch: &mut Watch) {
         let full: [bool; RUNS] = std::array::from_fn(|lane| self.stretches[lane].are_full());
         if full.contains(&true) {
             let state = self.state;
-            self.search::<R>(full, watch);
+            self.search(full, watch);
             self.state = state;
         }
     }
 
     /// Looks for records between the places looked at so far, for some of the runs.
-    fn search<R: Reader>(&mut self, runs: [bool; RUNS], watch: &mut Watch) {
+    fn search(&mut self, runs: [bool; RUNS], watch: &mut Watch) {
         while self.go_back(runs) {
-            self.arch.dispatch(Block::<R> { march: self, way: Way::Again });
+            self.arch.dispatch(Block { march: self, way: Way::Again });
         }
         let last = self.searches.len() - 1;
         for lane in (0..RUNS).filter(|&lane| runs[lane]) {
@@ -189,36 +191,6 @@ impl<'a> March<'a> {
         }
     }
 
-    /// Elevations of the block's stations and the one before.
-    #[inline(always)]
-    fn read_ground<S: Simd>(
-        &mut self,
-        simd: S,
-        reader: &mut impl Reader,
-        stations: usize,
-        period: usize,
-        count: usize,
-    ) {
-        for (ground, group) in self.ground.iter_mut().zip(&self.layout.groups) {
-            ground.z[0] = ground.z[PERIODS];
-            ground.rise[0] = ground.rise[PERIODS];
-            // Period i meets station i − whole. Beyond either end the runway is level.
-            let level = group.whole.saturating_sub(period).min(count);
-            let first = (period + level + 1).saturating_sub(group.whole);
-            let last = (period + count + 1).saturating_sub(group.whole).min(stations).max(first);
-            let (before, after) = (level + 1, level + 1 + last - first);
-            let start = ground.z[0];
-            ground.z[1..before].fill(start);
-            if after > before {
-                reader.read(simd, group.track, first, &mut ground.z[before..after]);
-            }
-            let end = ground.z[after - 1];
-            ground.z[after..=count].fill(end);
-        }
-    }
-}
-
-impl March<'_> {
     /// Whether a run has remained in the range of double precision.
     fn is_finite(&self, lane: usize) -> bool {
         self.flaw[lane] == 0.0
@@ -226,8 +198,8 @@ impl March<'_> {
 
     /// Appends the results of so many runs that are over, and the numbers of those without any; wrong
     /// ones once the caller has asked to stop.
-    pub fn finish<R: Reader>(&mut self, runs: Range<usize>, out: &mut Statistics, watch: &mut Watch) {
-        self.search::<R>(std::array::from_fn(|lane| lane < runs.len() && self.is_finite(lane)), watch);
+    pub fn finish(&mut self, runs: Range<usize>, out: &mut Statistics, watch: &mut Watch) {
+        self.search(std::array::from_fn(|lane| lane < runs.len() && self.is_finite(lane)), watch);
         for (lane, run) in runs.enumerate() {
             self.read(lane, out);
             if !out.last_is_finite(self.layout.loads, self.searches[0].len() - self.layout.loads) {
@@ -258,31 +230,66 @@ impl March<'_> {
     }
 }
 
+/// Reads the elevations of a block's stations and the one before. Apart from the rest, which is the
+/// same for all readers.
+struct Read<'m, R> {
+    layout: &'m Layout,
+    ground: &'m mut [Ground],
+    reader: &'m mut R,
+    stations: usize,
+    period: usize,
+    count: usize,
+}
+
+impl<R: Reader> WithSimd for Read<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { layout, ground, reader, stations, period, count } = self;
+        for (ground, group) in ground.iter_mut().zip(&layout.groups) {
+            ground.z[0] = ground.z[PERIODS];
+            ground.rise[0] = ground.rise[PERIODS];
+            // Period i meets station i − whole. Beyond either end the runway is level.
+            let level = group.whole.saturating_sub(period).min(count);
+            let first = (period + level + 1).saturating_sub(group.whole);
+            let last = (period + count + 1).saturating_sub(group.whole).min(stations).max(first);
+            let (before, after) = (level + 1, level + 1 + last - first);
+            let start = ground.z[0];
+            ground.z[1..before].fill(start);
+            if after > before {
+                reader.read(simd, group.track, first, &mut ground.z[before..after]);
+            }
+            let end = ground.z[after - 1];
+            ground.z[after..=count].fill(end);
+        }
+    }
+}
+
 /// See [`March::block`] and [`March::search`].
-struct Block<'m, 'a, R> {
+struct Block<'m, 'a> {
     march: &'m mut March<'a>,
-    way: Way<'m, R>,
+    way: Way,
 }
 
 /// Where to go.
-enum Way<'m, R> {
-    /// Over so many more periods.
-    On { reader: &'m mut R, stations: usize, period: usize, count: usize },
+enum Way {
+    /// Over so many more periods, whose elevations have been read.
+    On { period: usize, count: usize },
     /// Over stretches again, each run over one of its own.
     Again,
 }
 
-impl<R: Reader> WithSimd for Block<'_, '_, R> {
+impl WithSimd for Block<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { march, way } = self;
-        let (mut count, mut tail, again) = (CHUNK, false, matches!(way, Way::Again));
-        if let Way::On { reader, stations, period, count: periods } = way {
-            march.read_ground(simd, reader, stations, period, periods);
-            (count, tail) = (periods, period == march.layout.periods);
-        }
+        let (count, tail, again) = match way {
+            Way::On { period, count } => (count, period == march.layout.periods, false),
+            Way::Again => (CHUNK, false, true),
+        };
         // The tail: only so many legs of a period.
         let legs = if tail { march.layout.tail } else { march.layout.legs };
         if tail {

@@ -23,7 +23,9 @@ const FULL: usize = 1024;
 /// one after the other.
 #[derive(Clone)]
 pub(super) struct Stretches {
+    /// What is beyond those in use is left from earlier ones.
     numbers: Vec<f64>,
+    used: usize,
     /// Numbers of one.
     size: usize,
     /// How many numbers there are when it is time to throw out.
@@ -36,40 +38,44 @@ impl Stretches {
     /// For so many outputs.
     pub fn new(layout: &Layout, outputs: usize) -> Self {
         let size = 2 * MODES + layout.groups.len() * (CHUNK + 2) + 3 * outputs;
-        Self { numbers: Vec::new(), size, many: 0, at: 0 }
+        Self { numbers: Vec::new(), used: 0, size, many: 0, at: 0 }
     }
 
     pub fn restart(&mut self) {
-        self.numbers.clear();
-        (self.many, self.at) = (MANY * self.size, 0);
+        (self.used, self.many, self.at) = (0, MANY * self.size, 0);
     }
 
     /// Whether it is time to go over them.
     pub fn are_full(&self) -> bool {
-        self.numbers.len() >= FULL * self.size
+        self.used >= FULL * self.size
     }
 
     /// One more, to be filled in; when there are many, without those that no longer matter.
     fn add(&mut self, matters: impl Fn(&[f64]) -> bool) -> &mut [f64] {
-        if self.numbers.len() >= self.many {
+        let size = self.size;
+        if self.used >= self.many {
             let mut kept = 0;
-            for begin in (0..self.numbers.len()).step_by(self.size) {
-                if matters(&self.numbers[begin..begin + self.size]) {
-                    self.numbers.copy_within(begin..begin + self.size, kept);
-                    kept += self.size;
+            for begin in (0..self.used).step_by(size) {
+                if matters(&self.numbers[begin..begin + size]) {
+                    self.numbers.copy_within(begin..begin + size, kept);
+                    kept += size;
                 }
             }
-            self.numbers.truncate(kept);
+            self.used = kept;
             self.many = self.many.max(2 * kept);
         }
-        let begin = self.numbers.len();
-        self.numbers.resize(begin + self.size, 0.0);
-        &mut self.numbers[begin..]
+        let begin = self.used;
+        self.used += size;
+        if self.numbers.len() < self.used {
+            self.numbers.resize(self.used, 0.0);
+        }
+        &mut self.numbers[begin..self.used]
     }
 
     /// The next that matters.
     fn next(&mut self, matters: impl Fn(&[f64]) -> bool) -> Option<&[f64]> {
-        while let Some(stretch) = self.numbers.get(self.at..self.at + self.size) {
+        while self.at < self.used {
+            let stretch = &self.numbers[self.at..self.at + self.size];
             self.at += self.size;
             if matters(stretch) {
                 return Some(stretch);
@@ -101,7 +107,8 @@ impl March<'_> {
     /// Keeps a chunk of the block for a run: state, last rises and elevations, bends and bounds.
     pub(super) fn keep(&mut self, chunk: usize, lane: usize) {
         let Self { ground, states, reaches, stretches, records, .. } = self;
-        let first = CHUNK * chunk;
+        // The remainder: so that the compiler knows it is a lane.
+        let (first, lane) = (CHUNK * chunk, lane % RUNS);
         let mut rest = stretches[lane].add(matters(records, lane));
         let mut take = |rows: &[Row]| {
             let (numbers, others) = std::mem::take(&mut rest).split_at_mut(rows.len());

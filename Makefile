@@ -87,6 +87,7 @@ bench: $(DEV) ## speed and memory, measured against peers; minutes
 	for script in $(BENCHES); do $(PY) benches/$$script.py; done
 
 bench-smoke: $(DEV) ## the same at tiny sizes: does it run?
+	# Without the optimiser: what tests are built of serves here too.
 	cargo test --quiet --locked --bench march -- '/1000$$|one mat'
 	for script in $(BENCHES); do $(PY) -W error benches/$$script.py --quick; done
 

@@ -202,7 +202,7 @@ impl<'a> March<'a> {
         self.search(std::array::from_fn(|lane| lane < runs.len() && self.is_finite(lane)), watch);
         for (lane, run) in runs.enumerate() {
             self.read(lane, out);
-            if !out.last_is_finite(self.layout.loads, self.searches[0].len() - self.layout.loads) {
+            if !out.last_is_finite(self.layout.loads, self.squares.len() - self.layout.loads) {
                 out.failed.push(run);
             }
         }

@@ -6,7 +6,7 @@ use pulp::Simd;
 
 use super::super::records::Records;
 use super::super::vector::{Part, Vector, parts};
-use super::view::{View, value};
+use super::view::{View, value, with_view};
 use super::{CHUNK, March, PERIODS, RUNS, Row, ZERO};
 
 /// Periods of a run on most of whose chunks there is something to be found: they are sifted at once.
@@ -36,28 +36,7 @@ impl March<'_> {
         for output in 0..self.constants.weights.len() {
             for part in parts(simd) {
                 let reaches = &mut reaches[output];
-                let block = (count, legs);
-                match (self.layout.by_rate[output], self.layout.lines) {
-                    (false, false) => {
-                        View::<S, false, false>::new(self, part, output, block).look(
-                            &mut records,
-                            reaches,
-                            &mut over,
-                        );
-                    }
-                    (true, false) => {
-                        View::<S, true, false>::new(self, part, output, block).look(
-                            &mut records,
-                            reaches,
-                            &mut over,
-                        );
-                    }
-                    (_, true) => View::<S, true, true>::new(self, part, output, block).look(
-                        &mut records,
-                        reaches,
-                        &mut over,
-                    ),
-                }
+                with_view!(self, part, output, (count, legs), view => view.look(&mut records, reaches, &mut over));
             }
         }
         (self.records, self.reaches) = (records, reaches);

@@ -7,7 +7,7 @@ use super::super::records::{Candidate, Records};
 use super::super::setup::{Layout, MODES};
 use super::super::vector::{Mask, Part, Vector, parts};
 use super::look::Reach;
-use super::view::{Place, View};
+use super::view::{Place, View, with_view};
 use super::{CHUNK, Ground, March, RUNS, Row};
 use crate::lanes::Lanes;
 use crate::transition::{Drive, State};
@@ -171,18 +171,7 @@ impl March<'_> {
         let mut records = std::mem::take(&mut self.records);
         for output in 0..self.reaches.len() {
             for part in parts(simd) {
-                let block = (count, legs);
-                match (self.layout.by_rate[output], self.layout.lines) {
-                    (false, false) => {
-                        View::<S, false, false>::new(self, part, output, block).sift(&mut records, chunk);
-                    }
-                    (true, false) => {
-                        View::<S, true, false>::new(self, part, output, block).sift(&mut records, chunk);
-                    }
-                    (_, true) => {
-                        View::<S, true, true>::new(self, part, output, block).sift(&mut records, chunk);
-                    }
-                }
+                with_view!(self, part, output, (count, legs), view => view.sift(&mut records, chunk));
             }
         }
         self.records = records;

@@ -1,4 +1,4 @@
-//! States and heights at the starts of all legs.
+//! Rises, and states and heights at the starts of all legs.
 
 use pulp::Simd;
 

@@ -25,6 +25,28 @@ pub(super) struct View<'m, 'a, S: Simd, const RATES: bool, const LINES: bool> {
     legs: usize,
 }
 
+/// Does something with the view of an output, of whichever kind that is. A macro, since what closures
+/// hold is not compiled for the instructions chosen.
+macro_rules! with_view {
+    ($march:expr, $part:expr, $output:expr, $block:expr, $view:ident => $do:expr) => {
+        match ($march.layout.by_rate[$output], $march.layout.lines) {
+            (false, false) => {
+                let $view = View::<S, false, false>::new($march, $part, $output, $block);
+                $do
+            }
+            (true, false) => {
+                let $view = View::<S, true, false>::new($march, $part, $output, $block);
+                $do
+            }
+            (_, true) => {
+                let $view = View::<S, true, true>::new($march, $part, $output, $block);
+                $do
+            }
+        }
+    };
+}
+pub(super) use with_view;
+
 impl<'m, 'a, S: Simd, const RATES: bool, const LINES: bool> View<'m, 'a, S, RATES, LINES> {
     #[inline(always)]
     pub fn new(march: &'m March<'a>, part: Part<S>, output: usize, (count, legs): (usize, usize)) -> Self {

@@ -13,7 +13,17 @@ pub struct Distance {
 
 impl Distance {
     /// Beyond every knot.
-    pub const INFINITE: Self = Self { hi: f64::INFINITY, lo: 0.0 };
+    pub const INFINITE: Self = Self::exactly(f64::INFINITY);
+
+    /// None at all.
+    pub const ZERO: Self = Self::exactly(0.0);
+
+    /// One double.
+    #[inline(always)]
+    #[must_use]
+    pub const fn exactly(x: f64) -> Self {
+        Self { hi: x, lo: 0.0 }
+    }
 
     /// a + b without rounding (Knuth).
     #[inline(always)]
@@ -97,11 +107,17 @@ impl<const N: usize> Distances<N> {
         (self.hi[i], self.lo[i]) = (distance.hi, distance.lo);
     }
 
-    /// `lag` + x.
+    /// `lag` + x, from a place on.
     #[inline(always)]
-    pub fn shift(&mut self, x: &[f64; N], lag: Distance) {
-        for i in 0..N {
-            self.set(i, lag.plus(x[i]));
+    pub fn shift(&mut self, to: usize, x: &[f64], lag: Distance) {
+        let (hi, lo) = (&mut self.hi[to..to + x.len()], &mut self.lo[to..to + x.len()]);
+        if lag == Distance::ZERO {
+            hi.copy_from_slice(x);
+            lo.fill(0.0);
+            return;
+        }
+        for ((hi, lo), &x) in hi.iter_mut().zip(lo).zip(x) {
+            Distance { hi: *hi, lo: *lo } = lag.plus(x);
         }
     }
 
@@ -127,7 +143,22 @@ impl<const N: usize> Distances<N> {
             *time = hi / speed;
         }
         for i in 1..N {
-            dt[i] = ((self.hi[i] - self.hi[i - 1]) + (self.lo[i] - self.lo[i - 1])) / speed;
+            dt[i] = (self.hi[i] - self.hi[i - 1]) + (self.lo[i] - self.lo[i - 1]);
+        }
+        let (_, dt) = dt.split_at_mut(1);
+        if are_equal(dt) {
+            dt.fill(dt[0] / speed);
+        } else {
+            for dt in dt {
+                *dt /= speed;
+            }
         }
     }
+}
+
+/// Whether all numbers are the same.
+#[inline(always)]
+pub(crate) fn are_equal(values: &[f64]) -> bool {
+    let first = values.first().copied().unwrap_or(0.0);
+    !values.iter().fold(false, |any, value| any | (*value != first))
 }

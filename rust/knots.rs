@@ -1,6 +1,6 @@
 //! The knots of all gears in the order in which they are met.
 //!
-//! They are merged a block at a time: distances, times and lengths of segments then come out
+//! They are put in order a block at a time: distances, times and lengths of segments then come out
 //! of plain loops over arrays, and the march that consumes them is not held up by divisions.
 
 use multiversion::multiversion;
@@ -8,6 +8,7 @@ use multiversion::multiversion;
 use crate::distance::{Distance, Distances};
 use crate::lanes::Lanes;
 use crate::run::{Run, Track};
+use crate::shared_knots::SharedKnots;
 
 /// Slots of a block.
 pub(crate) const SLOTS: usize = 64;
@@ -22,7 +23,7 @@ struct Cursor<'a> {
     lag: Distance,
     /// Breakpoints before the ones looked ahead at.
     base: usize,
-    /// How many of these have been passed.
+    /// How many breakpoints after these have been passed; AHEAD and more call for another look.
     at: usize,
     /// Where they are met; infinite past the last.
     ahead: Distances<AHEAD>,
@@ -43,17 +44,26 @@ impl<'a> Cursor<'a> {
     }
 
     #[inline(always)]
+    fn has_more(&self) -> bool {
+        self.passed() < self.x.len()
+    }
+
+    /// How many breakpoints have been passed.
+    #[inline(always)]
+    fn passed(&self) -> usize {
+        self.base + self.at
+    }
+
+    #[inline(always)]
     fn look_ahead(&mut self) {
         self.base += self.at;
         self.at = 0;
         let x = self.x.get(self.base..).unwrap_or(&[]);
-        if let Some(x) = x.first_chunk() {
-            self.ahead.shift(x, self.lag);
+        if let Some(x) = x.first_chunk::<AHEAD>() {
+            self.ahead.shift(0, x, self.lag);
         } else {
             self.ahead = Distances::INFINITE;
-            for (i, &x) in x.iter().enumerate() {
-                self.ahead.set(i, self.lag.plus(x));
-            }
+            self.ahead.shift(0, x, self.lag);
         }
     }
 }
@@ -115,7 +125,7 @@ impl<'a> Knots<'a> {
 
     /// Goes on to the next block; whether there is one.
     pub fn advance(&mut self) -> bool {
-        merge_block(self);
+        next_block(self);
         self.find_steps();
         self.len > 1
     }
@@ -188,22 +198,50 @@ impl<'a> Knots<'a> {
 
 /// Fills the block with the next knots.
 #[multiversion(targets("x86_64+avx2"))]
-fn merge_block(knots: &mut Knots) {
+fn next_block(knots: &mut Knots) {
     let last = knots.len - 1;
     knots.distance.set(0, knots.distance.get(last));
     for passed in &mut knots.passed {
         passed[0] = passed[last];
     }
-    // The number of tracks as a constant where it is small: its loops unroll.
-    knots.len = match knots.cursors.len() {
-        1 => merge_tracks::<1>(knots),
-        2 => merge_tracks::<2>(knots),
-        3 => merge_tracks::<3>(knots),
-        _ => merge_tracks::<0>(knots),
+    knots.len = match &knots.run.shared_knots {
+        Some(shared) if knots.cursors[shared.foremost].has_more() => follow(knots, shared),
+        // The number of tracks as a constant where it is small: its loops unroll.
+        _ => match knots.cursors.len() {
+            1 => merge_tracks::<1>(knots),
+            2 => merge_tracks::<2>(knots),
+            3 => merge_tracks::<3>(knots),
+            _ => merge_tracks::<0>(knots),
+        },
     };
     let speed = knots.run.speed;
     knots.distance.divide(speed, &mut knots.time, &mut knots.dt);
     knots.time[knots.len] = f64::INFINITY;
+}
+
+/// The next knots of the foremost track, which are those of all others too; gives the slots in use.
+#[inline(always)]
+fn follow(knots: &mut Knots, shared: &SharedKnots) -> usize {
+    let foremost = &knots.cursors[shared.foremost];
+    let from = foremost.passed();
+    let x = &foremost.x[from..];
+    let count = x.len().min(SLOTS - 1);
+    knots.distance.shift(1, &x[..count], foremost.lag);
+    for ((cursor, passed), &apart) in knots.cursors.iter_mut().zip(&mut knots.passed).zip(&shared.apart) {
+        // It waits, moves on with the foremost, and has moved on to its last.
+        let begin = apart.saturating_sub(from).min(count);
+        let end = (apart + cursor.x.len()).saturating_sub(from).min(count);
+        let (waiting, rest) = passed[1..=count].split_at_mut(begin);
+        let (moving, done) = rest.split_at_mut(end - begin);
+        waiting.fill(0);
+        let so_far = (from + begin).wrapping_sub(apart);
+        for (slot, passed) in moving.iter_mut().enumerate() {
+            *passed = so_far.wrapping_add(slot + 1);
+        }
+        done.fill(cursor.x.len());
+        cursor.at += end - begin;
+    }
+    count + 1
 }
 
 /// Merges `N` tracks, all for `N` = 0, from slot 1 on; gives the slots in use.
@@ -214,13 +252,16 @@ fn merge_tracks<const N: usize>(knots: &mut Knots) -> usize {
     let passed = &mut knots.passed[..tracks];
     let mut slot = 1;
     while slot < SLOTS {
+        for cursor in cursors.iter_mut().filter(|cursor| cursor.at >= AHEAD) {
+            cursor.look_ahead();
+        }
         // No knot passes more than one breakpoint a track: so many need no look ahead.
         let sure = cursors.iter().map(|cursor| AHEAD - cursor.at).min().unwrap_or(0).min(SLOTS - slot);
         if let Some(first) = together(cursors, sure) {
             let next = cursors[first].next();
             knots.distance.copy(slot, &cursors[first].ahead, cursors[first].at, sure);
             for (cursor, passed) in cursors.iter_mut().zip(&mut *passed) {
-                let (so_far, passes) = (cursor.base + cursor.at, usize::from(cursor.next() == next));
+                let (so_far, passes) = (cursor.passed(), usize::from(cursor.next() == next));
                 for (count, passed) in passed[slot..slot + sure].iter_mut().enumerate() {
                     *passed = so_far + passes * (count + 1);
                 }
@@ -238,15 +279,12 @@ fn merge_tracks<const N: usize>(knots: &mut Knots) -> usize {
                 for track in 0..tracks {
                     let cursor = &mut cursors[track];
                     cursor.at += usize::from(cursor.next() == knot);
-                    passed[track][slot] = cursor.base + cursor.at;
+                    passed[track][slot] = cursor.passed();
                 }
                 knots.distance.set(slot, knot);
             }
         }
         slot += sure;
-        for cursor in cursors.iter_mut().filter(|cursor| cursor.at == AHEAD) {
-            cursor.look_ahead();
-        }
     }
     SLOTS
 }

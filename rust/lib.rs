@@ -95,6 +95,7 @@ pub mod readout;
 pub mod roughness;
 pub mod run;
 pub mod sample;
+mod shared_knots;
 pub mod spectrum;
 pub mod sweep;
 pub mod transition;

@@ -3,6 +3,7 @@
 
 use multiversion::multiversion;
 
+use crate::distance::are_equal;
 use crate::knots::{Knots, SLOTS};
 use crate::lanes::Lanes;
 use crate::run::{Run, Track};
@@ -186,6 +187,15 @@ fn find_transitions(path: &mut Path) {
     let Path { run, knots, place, kept } = path;
     let mut last = place[0];
     kept.used = 1 << last;
+    if let dt = &knots.dt[1..knots.len]
+        && are_equal(dt)
+    {
+        if let Some(dt) = dt.first() {
+            last = kept.place(&run.oscillators, *dt, last);
+        }
+        *place = [last; SLOTS];
+        return;
+    }
     for slot in 1..knots.len {
         last = kept.place(&run.oscillators, knots.dt[slot], last);
         place[slot] = last;

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use multiversion::multiversion;
 use nalgebra::Vector3;
 
 use crate::distance::Distance;
@@ -10,6 +9,7 @@ use crate::error::{Error, Place, Result, non_decreasing, positive};
 use crate::lanes::Lanes;
 use crate::modes::Modes;
 use crate::profile::Profile;
+use crate::shared_knots::SharedKnots;
 use crate::transition::Oscillators;
 
 /// Samples a period of the fastest mode, at least, in the default time points.
@@ -39,29 +39,6 @@ pub(crate) struct Track {
     pub climb: Lanes,
     /// The dampers' share per rate of elevation, φᵀC₁ ÷ ω²; zero unless the damping input is kept.
     pub drag: Lanes,
-}
-
-impl Track {
-    /// How many knots it meets after another track's last, if it meets all before where the other
-    /// one meets knots too: a grid whose lag is a whole number of spacings. What this leaves out
-    /// of the room for results is memory that need not be fetched anew for every run.
-    fn beyond(&self, other: &Self) -> Option<usize> {
-        let x = self.profile.knots();
-        let first = self.lag.plus(*x.first()?);
-        let apart = x.partition_point(|&x| other.lag.plus(x).minus(first) < 0.0);
-        let same =
-            Arc::ptr_eq(&self.profile, &other.profile) && coincide(x, self.lag, &x[apart..], other.lag);
-        same.then_some(apart)
-    }
-}
-
-/// Whether stations under one track are met where those under another are, each by each.
-#[multiversion(targets("x86_64+avx2"))]
-fn coincide(x: &[f64], lag: Distance, others: &[f64], other_lag: Distance) -> bool {
-    x.chunks(256).zip(others.chunks(256)).all(|(x, others)| {
-        let pairs = x.iter().zip(others);
-        !pairs.fold(false, |any, (x, other)| any | (lag.plus(*x) != other_lag.plus(*other)))
-    })
 }
 
 /// How far a gear is behind the foremost one.
@@ -104,6 +81,7 @@ pub struct Run {
     pub(crate) tracks: Vec<Track>,
     /// Track of each gear.
     pub(crate) track_of: Vec<usize>,
+    pub(crate) shared_knots: Option<SharedKnots>,
     pub(crate) oscillators: Oscillators,
     pub(crate) speed: f64,
     pub(crate) damping_input: bool,
@@ -162,7 +140,18 @@ impl Run {
         let fastest = omega.iter().copied().fold(0.0, f64::max);
         let stiffest = omega.iter().zip(modes.damping_ratio()).map(|(w, z)| w * (2.0 * z).max(1.0));
         let stiffest = stiffest.fold(0.0, f64::max);
-        let run = Self { modes, tracks, track_of, oscillators, speed, damping_input, fastest, stiffest };
+        let shared_knots = SharedKnots::find(&tracks);
+        let run = Self {
+            modes,
+            tracks,
+            track_of,
+            shared_knots,
+            oscillators,
+            speed,
+            damping_input,
+            fastest,
+            stiffest,
+        };
         run.check_span("tracks", run.last_knot())?;
         run.check_span("tracks", run.first_knot())?;
         Ok(run)
@@ -257,13 +246,19 @@ impl Run {
             });
         }
         // At most: a row a knot, the other side of each step, the two ends, and a few for rounding.
-        let knots = |(index, track): (usize, &Track)| {
-            let own = self.tracks[..index].iter().find_map(|earlier| track.beyond(earlier));
-            own.unwrap_or(track.profile.knots().len()) + track.profile.steps()
-        };
-        let between = self.tracks.iter().map(|track| self.between(track, begin, end, step));
-        let most = between.min().unwrap_or(0) + self.tracks.iter().enumerate().map(knots).sum::<usize>() + 8;
+        let between = self.tracks.iter().map(|track| self.between(track, begin, end, step)).min();
+        let steps = self.tracks.iter().map(|track| track.profile.steps()).sum::<usize>();
+        let most = between.unwrap_or(0) + self.most_knots() + steps + 8;
         Ok(Grid { begin, end, step, most })
+    }
+
+    /// At most so many knots. What this leaves out of the room for results is memory that need not be
+    /// fetched anew for every run.
+    fn most_knots(&self) -> usize {
+        let counts = self.tracks.iter().map(|track| track.profile.knots().len());
+        let Some(SharedKnots { foremost, apart }) = &self.shared_knots else { return counts.sum() };
+        let shared = self.tracks[*foremost].profile.knots().len();
+        shared + counts.zip(apart).map(|(count, apart)| (apart + count).saturating_sub(shared)).sum::<usize>()
     }
 
     /// At most so many default time points lie between knots: only where the knots of every track

@@ -58,6 +58,13 @@ impl Distance {
         Self { hi, lo: lo - (hi - sum.hi) }
     }
 
+    /// This distance, another one further.
+    #[inline(always)]
+    #[must_use]
+    pub fn further(self, other: Self) -> Self {
+        self.plus(other.hi).plus(other.lo)
+    }
+
     /// self − other, rounded once where the two are close.
     #[inline(always)]
     #[must_use]
@@ -136,29 +143,29 @@ impl<const N: usize> Distances<N> {
             && !differ(&self.lo[at..at + count], &other.lo[from..from + count])
     }
 
-    /// Times at which the distances are reached, and from each to the next.
+    /// Times at which the distances are reached, and from each to the next; whether these are all
+    /// the same.
     #[inline(always)]
-    pub fn divide(&self, speed: f64, time: &mut [f64], dt: &mut [f64; N]) {
+    pub fn divide(&self, speed: f64, time: &mut [f64], dt: &mut [f64]) -> bool {
+        let ([_, dt @ ..], [_, hi @ ..], [_, lo @ ..]) = (dt, &self.hi[..], &self.lo[..]) else {
+            return false;
+        };
         for (time, hi) in time.iter_mut().zip(&self.hi) {
             *time = hi / speed;
         }
-        for i in 1..N {
-            dt[i] = (self.hi[i] - self.hi[i - 1]) + (self.lo[i] - self.lo[i - 1]);
+        let before = self.hi.iter().zip(&self.lo);
+        for ((dt, (hi, lo)), (hi_before, lo_before)) in dt.iter_mut().zip(hi.iter().zip(lo)).zip(before) {
+            *dt = (hi - hi_before) + (lo - lo_before);
         }
-        let (_, dt) = dt.split_at_mut(1);
-        if are_equal(dt) {
-            dt.fill(dt[0] / speed);
+        let first = dt.first().copied().unwrap_or(0.0);
+        let is_even = !dt.iter().fold(false, |any, dt| any | (*dt != first));
+        if is_even {
+            dt.fill(first / speed);
         } else {
             for dt in dt {
                 *dt /= speed;
             }
         }
+        is_even
     }
-}
-
-/// Whether all numbers are the same.
-#[inline(always)]
-pub(crate) fn are_equal(values: &[f64]) -> bool {
-    let first = values.first().copied().unwrap_or(0.0);
-    !values.iter().fold(false, |any, value| any | (*value != first))
 }

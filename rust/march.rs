@@ -58,9 +58,24 @@ impl<'a> Block<'a> {
         self.start
     }
 
+    /// Whether there is a vertical step anywhere in the run.
+    pub fn has_steps(&self) -> bool {
+        self.path.knots.has_steps
+    }
+
     /// Whether nothing happens at the knots but changes of slope.
     pub fn is_plain(&self) -> bool {
-        self.plain && !self.path.knots.has_steps
+        self.plain
+    }
+
+    /// States just after the knots, that in which the first segment begins before them.
+    pub fn states(&self) -> &[State] {
+        &self.state[..self.path.knots.len]
+    }
+
+    /// The first segment that ends in this block.
+    pub fn first_segment(&self) -> Segment<'_> {
+        self.segment(0, self.path.knots.time[1])
     }
 
     /// The segments that end in this block.

@@ -3,10 +3,10 @@
 
 use multiversion::multiversion;
 
-use crate::distance::are_equal;
 use crate::knots::{Knots, SLOTS};
 use crate::lanes::Lanes;
-use crate::run::{Run, Track};
+use crate::pair::Pair;
+use crate::run::Run;
 use crate::transition::{Drive, Oscillators, State, Transition};
 
 /// Transitions by the bits of their Δt, a block's worth. Nominally equal segments differ by the
@@ -67,8 +67,8 @@ impl Kept {
     }
 }
 
-/// Rows of the march between two ways through memory.
-const ROUND: usize = 21;
+/// Rows of the march between two ways through memory; even, as they are taken in pairs.
+const ROUND: usize = 32;
 
 /// A block of knots and the transitions between them: all that can be known without a state.
 #[derive(Clone, Debug)]
@@ -78,12 +78,14 @@ pub(crate) struct Path<'a> {
     /// Transition to each knot: its place among those kept.
     place: [u8; SLOTS],
     kept: Kept,
+    /// Where all segments of the block are of one length.
+    pair: Option<Pair>,
 }
 
 impl<'a> Path<'a> {
     pub fn new(run: &'a Run) -> Self {
         let kept = Kept::new(&run.oscillators);
-        let mut path = Self { run, knots: Knots::new(run), place: [0; SLOTS], kept };
+        let mut path = Self { run, knots: Knots::new(run), place: [0; SLOTS], kept, pair: None };
         find_transitions(&mut path);
         path
     }
@@ -147,55 +149,66 @@ impl<'a> Path<'a> {
         while slot < self.knots.len {
             let end = (slot + ROUND).min(self.knots.len);
             let mut here = now;
-            for slot in slot..end {
-                here = self.turn(lines, slot, &here, trail);
+            if let Some(pair) = &self.pair {
+                while slot + 1 < end {
+                    let rates = [beta(lines, slot - 1), beta(lines, slot)];
+                    trail.see(slot - 1, &here);
+                    trail.see(slot, &pair.once.follow(&here, rates[0]));
+                    here = pair.follow(&here, rates);
+                    slot += 2;
+                }
             }
-            (now, slot) = (here, end);
+            while slot < end {
+                here = self.turn(lines, slot, &here, trail);
+                slot += 1;
+            }
+            now = here;
         }
         now
     }
 
     #[inline(always)]
     fn line(&self, track: usize) -> Line<'_> {
-        let Self { run, knots, .. } = self;
-        let Track { climb, profile, .. } = &run.tracks[track];
-        Line { climb: *climb, slopes: profile.slopes(), passed: &knots.passed[track] }
+        Line { climb: self.run.tracks[track].climb, slopes: &self.knots.slopes[track] }
     }
 
     /// From the knot before a slot to that of the slot.
     #[inline(always)]
     fn turn(&self, lines: &[Line], slot: usize, from: &State, trail: &mut impl Trail) -> State {
         trail.see(slot - 1, from);
-        let mut beta = Lanes::ZERO;
-        for Line { climb, slopes, passed } in lines {
-            beta += *climb * slopes[passed[slot - 1]];
-        }
-        self.transition(slot).follow(from, beta)
+        self.transition(slot).follow(from, beta(lines, slot - 1))
     }
+}
+
+/// Rate of the static position ÷ ω after the knot of a slot.
+#[inline(always)]
+fn beta(lines: &[Line], slot: usize) -> Lanes {
+    let rate = |line: &Line| line.climb * line.slopes[slot];
+    lines[1..].iter().fold(rate(&lines[0]), |sum, line| sum + rate(line))
 }
 
 /// What one track adds to the drive.
 struct Line<'a> {
     climb: Lanes,
-    slopes: &'a [f64],
-    passed: &'a [usize; SLOTS],
+    slopes: &'a [f64; SLOTS],
 }
 
 /// Finds the transitions of a block.
 #[multiversion(targets("x86_64+avx2"))]
 fn find_transitions(path: &mut Path) {
-    let Path { run, knots, place, kept } = path;
+    let Path { run, knots, place, kept, pair } = path;
     let mut last = place[0];
     kept.used = 1 << last;
-    if let dt = &knots.dt[1..knots.len]
-        && are_equal(dt)
-    {
-        if let Some(dt) = dt.first() {
-            last = kept.place(&run.oscillators, *dt, last);
-        }
+    if knots.is_even && knots.len > 1 {
+        last = kept.place(&run.oscillators, knots.dt[1], last);
         *place = [last; SLOTS];
+        let once = kept.get(last);
+        if pair.is_none_or(|pair| pair.once != *once) {
+            *pair = Some(Pair::new(&run.oscillators, *once));
+        }
         return;
     }
+    *pair = None;
     for slot in 1..knots.len {
         last = kept.place(&run.oscillators, knots.dt[slot], last);
         place[slot] = last;

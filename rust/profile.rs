@@ -1,5 +1,6 @@
 //! A checked piecewise-linear runway profile.
 
+use crate::distance::Distance;
 use crate::error::{Error, Place, Result, finite, non_decreasing, positive};
 
 /// Largest elevation and slope: their squares must stay in double precision.
@@ -20,6 +21,8 @@ pub struct Profile {
     /// Slope after so many breakpoints: 0 before the first, along a vertical step, after the last.
     slopes: Vec<f64>,
     steps: usize,
+    /// Where it is one between all neighbouring stations, to the last digit.
+    spacing: Option<f64>,
     finest: f64,
     coarsest: f64,
     range: f64,
@@ -51,7 +54,7 @@ impl Profile {
             }
         }
         let mut slopes = vec![0.0; x.len() + 1];
-        let (mut finest, mut coarsest) = (f64::INFINITY, 0.0_f64);
+        let (mut finest, mut coarsest, mut exact) = (f64::INFINITY, 0.0_f64, true);
         for i in 1..x.len() {
             let (run, rise) = (x[i] - x[i - 1], z[i] - z[i - 1]);
             if !run.is_finite() {
@@ -62,6 +65,7 @@ impl Profile {
                     why: "the step from the station before it",
                 });
             }
+            exact &= Distance::sum(x[i], -x[i - 1]) == Distance::exactly(run);
             if run > 0.0 {
                 slopes[i] = rise / run;
                 finest = finest.min(run);
@@ -75,14 +79,24 @@ impl Profile {
         let steps = x.windows(2).filter(|pair| pair[1] <= pair[0]).count();
         let extreme = |pick: fn(f64, f64) -> f64| z.iter().copied().reduce(pick).unwrap_or(0.0);
         let range = extreme(f64::max) - extreme(f64::min);
-        Ok(Self { x, z, slopes, steps, finest, coarsest, range })
+        let spacing = (exact && steps == 0 && finest >= coarsest && coarsest > 0.0).then_some(finest);
+        Ok(Self { x, z, slopes, steps, spacing, finest, coarsest, range })
     }
 
     /// A level runway.
     #[must_use]
     pub fn level() -> Self {
         let (finest, coarsest) = (f64::INFINITY, 0.0);
-        Self { x: vec![0.0], z: vec![0.0], slopes: vec![0.0; 2], steps: 0, finest, coarsest, range: 0.0 }
+        Self {
+            x: vec![0.0],
+            z: vec![0.0],
+            slopes: vec![0.0; 2],
+            steps: 0,
+            spacing: None,
+            finest,
+            coarsest,
+            range: 0.0,
+        }
     }
 
     /// A smooth bump z = h/2 (1 − cos 2πx/L) as chords between `segments` + 1 equidistant points.
@@ -128,6 +142,11 @@ impl Profile {
     #[inline]
     pub(crate) fn knots(&self) -> &[f64] {
         if self.is_level() { &[] } else { &self.x }
+    }
+
+    /// Distance between neighbouring stations, where it is one to the last digit.
+    pub(crate) fn spacing(&self) -> Option<f64> {
+        self.spacing
     }
 
     /// Shortest distance between two stations, infinite on the level.

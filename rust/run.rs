@@ -255,10 +255,10 @@ impl Run {
     /// At most so many knots. What this leaves out of the room for results is memory that need not be
     /// fetched anew for every run.
     fn most_knots(&self) -> usize {
-        let counts = self.tracks.iter().map(|track| track.profile.knots().len());
-        let Some(SharedKnots { foremost, apart }) = &self.shared_knots else { return counts.sum() };
-        let shared = self.tracks[*foremost].profile.knots().len();
-        shared + counts.zip(apart).map(|(count, apart)| (apart + count).saturating_sub(shared)).sum::<usize>()
+        match &self.shared_knots {
+            Some(shared) => shared.most(&self.tracks),
+            None => self.tracks.iter().map(|track| track.profile.knots().len()).sum(),
+        }
     }
 
     /// At most so many default time points lie between knots: only where the knots of every track

@@ -152,19 +152,26 @@ impl Visitor for OnGrid<'_, '_> {
     }
 
     fn visit_block(&mut self, block: &mut Block) {
-        if self.row_a_knot(block) {
-            // The first segment's row, and those of all knots but the last, which is the next
-            // block's first.
-            let (count, times) = (block.times().len(), block.times());
-            let rows = self.rows.count;
-            self.time[rows] = block.start();
-            self.time[rows + 1..rows + count].copy_from_slice(&times[..count - 1]);
-            march_into(self.rows, block);
-        } else {
+        if block.has_steps() || !self.row_a_knot(block.times()) {
             block.march();
             for segment in block.segments() {
                 self.visit(&segment);
             }
+            return;
+        }
+        // The first segment's row, and those of all knots but the last, which is the next block's
+        // first.
+        let (first, count) = (block.times()[0], block.times().len());
+        let whole = self.row_a_knot(&[block.start(), first]);
+        if whole && block.is_plain() && self.rows.has_room(count) {
+            self.time[self.rows.count] = block.start();
+            self.keep_times(1, block);
+            march_into(self.rows, block);
+        } else {
+            block.march();
+            self.visit(&block.first_segment());
+            self.keep_times(0, block);
+            push_all(self.rows, &block.states()[1..count]);
         }
     }
 
@@ -174,20 +181,26 @@ impl Visitor for OnGrid<'_, '_> {
 }
 
 impl OnGrid<'_, '_> {
-    /// Whether every segment that ends in a block gives one row: the usual block of a finely
-    /// sampled profile.
-    fn row_a_knot(&self, block: &Block) -> bool {
+    /// Whether every segment from one of these times to the next gives one row, but for vertical
+    /// steps: the usual block of a finely sampled profile.
+    fn row_a_knot(&self, times: &[f64]) -> bool {
         let Grid { begin, end, step, .. } = self.grid;
-        let times = block.times();
         let (Some(&first), Some(&last)) = (times.first(), times.last()) else { return false };
-        let wrong = |start: f64, time: f64| (time <= start) | (time - start > step);
-        let no = times
-            .iter()
-            .zip(&times[1..])
-            .fold(wrong(block.start(), first), |any, (&start, &time)| any | wrong(start, time));
-        let inside = block.start() >= begin && last <= end;
-        inside && block.is_plain() && !no && self.rows.has_room(times.len())
+        first >= begin && last <= end && are_spaced(times, step)
     }
+
+    /// Times of the knots of a block but the last, so many rows on.
+    fn keep_times(&mut self, rows: usize, block: &Block) {
+        let [times @ .., _] = block.times() else { return };
+        self.time[self.rows.count + rows..][..times.len()].copy_from_slice(times);
+    }
+}
+
+/// Whether times are apart, by no more than a step.
+#[multiversion(targets("x86_64+avx2"))]
+fn are_spaced(times: &[f64], step: f64) -> bool {
+    let pairs = times.iter().zip(&times[1..]);
+    !pairs.fold(false, |any, (start, end)| any | (end <= start) | (end - start > step))
 }
 
 #[multiversion(targets("x86_64+avx2"))]

@@ -68,7 +68,7 @@ class Case:
     def __str__(self) -> str:
         """Name it by what differs from the plain case."""
         ratio = "/".join(f"{z:.10g}" for z in np.atleast_1d(self.ratio))
-        phase = "edges" if self.lengths else f"wdt={self.phase or 'mix'}"
+        phase = f"dx={self.lengths[0]:g}" if self.lengths else f"wdt={self.phase or 'mix'}"
         words = [self.aircraft, str(self.segments), phase, f"zeta={ratio}"]
         words += ["steps"] * self.steps + ["dampers"] * self.damping_input
         words += ["generic"] * (not self.whole) + ["one-track"] * (not self.apart)
@@ -269,6 +269,18 @@ FAMILIES = {
         Case(ratio=0.01, segments=60, lengths=EDGES, start=1e6, aircraft="weightless", base=1e5),
         Case(ratio=1.0, segments=60, lengths=EDGES, start=1e6, aircraft="f4e", steps=True),
         Case(ratio=0.0, segments=60, lengths=EDGES, start=1e8, aircraft="f4e", apart=False),
+    ],
+    # Marched over two by two; all gears of the F-4E meet their knots together.
+    "equal segments": [
+        Case(ratio=0.0, segments=10_000, lengths=(2.0**-10,), aircraft="f4e"),
+        Case(ratio=0.01, segments=10_000, lengths=(0.25,), aircraft="f4e"),
+        Case(ratio=0.0, segments=2000, lengths=(0.25,), aircraft="f4e", base=1e5, apart=False),
+        Case(ratio=1.0, segments=2000, lengths=(0.25,), aircraft="f4e", start=1e8),
+        Case(ratio=0.5, segments=2000, lengths=(0.25,), aircraft="f4e", damping_input=True),
+        Case(ratio=0.0, segments=1000, lengths=(20.0,), aircraft="single"),
+        Case(ratio=0.0, segments=1000, lengths=(1000.0,), aircraft="abreast"),
+        Case(ratio=3.0, segments=1000, lengths=(30_000.0,), aircraft="single"),
+        Case(ratio=1e-6, segments=1000, lengths=(0.1,), aircraft="single"),
     ],
     "a ratio a mode": [
         Case(phase=1e-6, ratio=(1e-6, 0.3, 2.0)),

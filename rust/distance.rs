@@ -143,21 +143,19 @@ impl<const N: usize> Distances<N> {
             && !differ(&self.lo[at..at + count], &other.lo[from..from + count])
     }
 
-    /// Times at which the distances are reached, and from each to the next; whether these are all
-    /// the same.
+    /// Times at which the distances are reached, and from each to the next; whether there are
+    /// some of these, all the same.
     #[inline(always)]
     pub fn divide(&self, speed: f64, time: &mut [f64], dt: &mut [f64]) -> bool {
-        let ([_, dt @ ..], [_, hi @ ..], [_, lo @ ..]) = (dt, &self.hi[..], &self.lo[..]) else {
-            return false;
-        };
         for (time, hi) in time.iter_mut().zip(&self.hi) {
             *time = hi / speed;
         }
+        let (Some(dt), hi, lo) = (dt.get_mut(1..), &self.hi[1..], &self.lo[1..]) else { return false };
         let before = self.hi.iter().zip(&self.lo);
         for ((dt, (hi, lo)), (hi_before, lo_before)) in dt.iter_mut().zip(hi.iter().zip(lo)).zip(before) {
             *dt = (hi - hi_before) + (lo - lo_before);
         }
-        let first = dt.first().copied().unwrap_or(0.0);
+        let Some(&first) = dt.first() else { return false };
         let is_even = !dt.iter().fold(false, |any, dt| any | (*dt != first));
         if is_even {
             dt.fill(first / speed);

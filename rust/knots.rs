@@ -8,8 +8,9 @@ use multiversion::multiversion;
 use crate::distance::{Distance, Distances};
 use crate::lanes::Lanes;
 use crate::merge::Merge;
-use crate::run::{Run, Track};
-use crate::shared_knots::{InStep, first_knot};
+use crate::run::Run;
+use crate::shared_knots::InStep;
+use crate::track::Track;
 
 /// Slots of a block.
 pub(crate) const SLOTS: usize = 64;
@@ -27,7 +28,7 @@ pub(crate) struct Step {
 #[derive(Clone, Debug)]
 enum Order<'a> {
     Shared(InStep<'a>),
-    Merged(Merge<'a>),
+    Merged(Merge<'a, SLOTS>),
 }
 
 /// The tracks' breakpoints in one order, a block of knots at a time.
@@ -46,7 +47,7 @@ pub(crate) struct Knots<'a> {
     pub time: [f64; SLOTS + 1],
     /// Time from the knot before.
     pub dt: [f64; SLOTS],
-    /// Whether all of these are the same.
+    /// Whether there are knots, and all of these are the same.
     pub is_even: bool,
     /// A row a track: slope after each knot.
     pub slopes: Vec<[f64; SLOTS]>,
@@ -61,8 +62,8 @@ impl<'a> Knots<'a> {
     pub fn new(run: &'a Run) -> Self {
         let tracks = run.tracks.len();
         let order = match &run.shared_knots {
-            Some(shared) => Order::Shared(InStep::new(run, shared)),
-            None => Order::Merged(Merge::new(run, std::iter::repeat_n(0, tracks))),
+            Some(shared) => Order::Shared(InStep::new(&run.tracks, shared)),
+            None => Order::Merged(Merge::new(&run.tracks, std::iter::repeat_n(0, tracks))),
         };
         let mut knots = Self {
             run,
@@ -77,8 +78,7 @@ impl<'a> Knots<'a> {
             has_steps: run.tracks.iter().any(|track| track.profile.steps() > 0),
         };
         // No time passes before the first knot.
-        let first = run.tracks.iter().fold(Distance::INFINITE, |d, track| d.shorter(first_knot(track)));
-        knots.distance.set(0, first);
+        knots.distance.set(0, run.first_knot());
         knots.advance();
         knots
     }
@@ -177,7 +177,7 @@ fn next_block(knots: &mut Knots) {
         && shared.is_over()
     {
         let passed = (0..run.tracks.len()).map(|track| shared.passed(track, last));
-        *order = Order::Merged(Merge::new(run, passed));
+        *order = Order::Merged(Merge::new(&run.tracks, passed));
     }
     knots.len = match order {
         Order::Shared(shared) => shared.fill(distance, slopes),

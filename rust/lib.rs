@@ -24,14 +24,18 @@
 //! |---|---|
 //! | [`error`] | the one error enum |
 //! | [`aircraft`] | gears and masses → matrices, static loads |
+//! | [`distance`] | distances rolled, with their rounding error |
 //! | [`profile`] | a checked piecewise-linear profile |
 //! | [`modes`] | the eigenproblem, damping ratios, measured modes; no time |
 //! | [`lanes`] | four numbers side by side |
 //! | [`transition`] | the exact propagator of a bank of oscillators; no aircraft |
 //! | [`watch`] | long work that its caller can stop |
-//! | [`distance`] | distances rolled, with their rounding error |
+//! | `track` | gears that meet one profile at one time |
+//! | `shared_knots` | tracks that meet their breakpoints where the foremost one does |
 //! | [`run`] | modes + profiles + speed, and when to look |
-//! | `knots` | the breakpoints of all gears, merged in order |
+//! | `merge` | breakpoints of several tracks in one order |
+//! | `knots` | the breakpoints of all gears in order, a block at a time |
+//! | `pair` | two equal segments at a stride |
 //! | `path` | the transitions between a block's knots, and what drives the modes there |
 //! | `march` | knots → modal states: the segment loop |
 //! | `inside` | states between a segment's ends |
@@ -100,6 +104,7 @@ pub mod sample;
 mod shared_knots;
 pub mod spectrum;
 pub mod sweep;
+mod track;
 pub mod transition;
 pub mod watch;
 pub mod worst;

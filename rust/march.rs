@@ -6,7 +6,8 @@ use crate::distance::Distance;
 use crate::knots::{Knots, SLOTS};
 use crate::lanes::{LANES, Lanes};
 use crate::path::{Path, Trail};
-use crate::run::{Run, Track};
+use crate::run::Run;
+use crate::track::Track;
 use crate::transition::{Drive, State};
 
 /// A block of knots and the states there.

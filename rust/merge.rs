@@ -1,8 +1,7 @@
 //! Knots of several tracks merged into one order.
 
 use crate::distance::{Distance, Distances};
-use crate::knots::SLOTS;
-use crate::run::{Run, Track};
+use crate::track::Track;
 
 /// Breakpoints of one track looked ahead at.
 const AHEAD: usize = 256;
@@ -57,19 +56,18 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Merges the breakpoints of all tracks, a block of knots at a time.
+/// Merges the breakpoints of all tracks, a block of so many slots at a time.
 #[derive(Clone, Debug)]
-pub(crate) struct Merge<'a> {
+pub(crate) struct Merge<'a, const SLOTS: usize> {
     cursors: Vec<Cursor<'a>>,
     /// A row a track: how many of its breakpoints have been passed after each knot.
     passed: Vec<[usize; SLOTS]>,
 }
 
-impl<'a> Merge<'a> {
+impl<'a, const SLOTS: usize> Merge<'a, SLOTS> {
     /// Goes on after so many breakpoints of each track.
-    pub fn new(run: &'a Run, passed: impl Iterator<Item = usize>) -> Self {
-        let cursors: Vec<_> =
-            run.tracks.iter().zip(passed).map(|(track, at)| Cursor::new(track, at)).collect();
+    pub fn new(tracks: &'a [Track], passed: impl Iterator<Item = usize>) -> Self {
+        let cursors: Vec<_> = tracks.iter().zip(passed).map(|(track, at)| Cursor::new(track, at)).collect();
         Self { passed: vec![[0; SLOTS]; cursors.len()], cursors }
     }
 
@@ -149,8 +147,8 @@ impl<'a> Merge<'a> {
 }
 
 /// The track whose next `count` breakpoints are the next knots of all, if one is: the others meet
-/// theirs where it does, or later. A grid whose lag is a whole number of spacings, gears side by
-/// side, or the stretch that only the foremost or the last gear has bumps on.
+/// theirs where it does, or later: gears side by side, or the stretch that only the foremost or the
+/// last gear has bumps on.
 #[inline(always)]
 fn together(cursors: &[Cursor], count: usize) -> Option<usize> {
     let mut first = 0;

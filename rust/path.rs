@@ -142,7 +142,7 @@ impl<'a> Path<'a> {
             &few[..]
         };
         // Opaque, so that the compiler keeps lanes together in the loop: otherwise it shuffles them,
-        // 51 vector instructions a row in place of 22. What is opaque lives in memory, which would
+        // in more than twice the instructions. What is opaque lives in memory, which would
         // take half of a row's time: so most rows are gone through in another variable.
         let mut now = std::hint::black_box(from);
         let mut slot = 1;
@@ -199,7 +199,7 @@ fn find_transitions(path: &mut Path) {
     let Path { run, knots, place, kept, pair } = path;
     let mut last = place[0];
     kept.used = 1 << last;
-    if knots.is_even && knots.len > 1 {
+    if knots.is_even {
         last = kept.place(&run.oscillators, knots.dt[1], last);
         *place = [last; SLOTS];
         let once = kept.get(last);

@@ -10,6 +10,7 @@ use crate::lanes::Lanes;
 use crate::modes::Modes;
 use crate::profile::Profile;
 use crate::shared_knots::SharedKnots;
+use crate::track::{Track, lag};
 use crate::transition::Oscillators;
 
 /// Samples a period of the fastest mode, at least, in the default time points.
@@ -26,32 +27,6 @@ const LONGEST_PHASE: f64 = 1e12;
 
 /// Latest time on a level runway: its distance must stay in double precision.
 const LONGEST_TIME: f64 = 1e200;
-
-/// Gears that meet the same profile at the same time.
-#[derive(Clone, Debug)]
-pub(crate) struct Track {
-    pub profile: Arc<Profile>,
-    /// Distance of the gears behind the foremost one.
-    pub lag: Distance,
-    /// Static modal displacement per elevation, φᵀK₁ ÷ ω² (Eq. 12).
-    pub lift: Lanes,
-    /// Its change per radian and slope, lift · speed ÷ ω.
-    pub climb: Lanes,
-    /// The dampers' share per rate of elevation, φᵀC₁ ÷ ω²; zero unless the damping input is kept.
-    pub drag: Lanes,
-}
-
-/// How far a gear is behind the foremost one.
-///
-/// Exactly the difference of the arms; rounded to one double where that moves no elevation by
-/// more than 1e-13 of the steepest segment's rise, so that a grid whose lag is nominally a whole
-/// number of spacings has common knots and not pairs of them a rounding error apart.
-fn lag(front: f64, x: f64, profile: &Profile) -> Distance {
-    const HARMLESS: f64 = 1e-13;
-    let exact = Distance::sum(front, -x);
-    let rounded = Distance::sum(exact.nearest(), 0.0);
-    if exact.minus(rounded).abs() <= HARMLESS * profile.finest() { rounded } else { exact }
-}
 
 /// Refuses a speed that is not positive or whose powers leave the range of double precision.
 pub(crate) fn check_speed(place: Place, speed: f64) -> Result<f64> {
@@ -81,6 +56,7 @@ pub struct Run {
     pub(crate) tracks: Vec<Track>,
     /// Track of each gear.
     pub(crate) track_of: Vec<usize>,
+    /// Where all tracks have theirs on one grid.
     pub(crate) shared_knots: Option<SharedKnots>,
     pub(crate) oscillators: Oscillators,
     pub(crate) speed: f64,
@@ -152,8 +128,8 @@ impl Run {
             fastest,
             stiffest,
         };
-        run.check_span("tracks", run.last_knot())?;
-        run.check_span("tracks", run.first_knot())?;
+        run.check_span("tracks", run.last_time())?;
+        run.check_span("tracks", run.first_time())?;
         Ok(run)
     }
 
@@ -169,15 +145,21 @@ impl Run {
         self.speed
     }
 
-    /// Time at which the first gear meets the first breakpoint, 0 without any.
-    fn first_knot(&self) -> f64 {
-        let first =
-            |track: &Track| track.profile.knots().first().map(|&x| track.lag.plus(x).nearest() / self.speed);
-        self.tracks.iter().filter_map(first).reduce(f64::min).unwrap_or(0.0)
+    /// Where the first gear meets the first breakpoint, if there is one.
+    pub(crate) fn first_knot(&self) -> Distance {
+        self.tracks.iter().fold(Distance::INFINITE, |first, track| first.shorter(track.first_knot()))
+    }
+
+    /// Time at which that happens, 0 without any.
+    fn first_time(&self) -> f64 {
+        match self.first_knot() {
+            Distance::INFINITE => 0.0,
+            first => first.nearest() / self.speed,
+        }
     }
 
     /// Time at which the last gear meets the last breakpoint, 0 without any.
-    fn last_knot(&self) -> f64 {
+    fn last_time(&self) -> f64 {
         let last =
             |track: &Track| track.profile.knots().last().map(|&x| track.lag.plus(x).nearest() / self.speed);
         self.tracks.iter().filter_map(last).reduce(f64::max).unwrap_or(0.0)
@@ -212,14 +194,14 @@ impl Run {
     /// # Errors
     /// A span too long for a phase to have digits.
     pub fn span(&self) -> Result<(f64, f64)> {
-        let end = self.last_knot().max(0.0) + AFTER_LAST_KNOT;
+        let end = self.last_time().max(0.0) + AFTER_LAST_KNOT;
         self.check_span("speed", end)?;
-        Ok((self.first_knot().min(0.0), end))
+        Ok((self.first_time().min(0.0), end))
     }
 
     /// Distance rolled from the beginning of the default span until nothing more happens.
     pub(crate) fn distance(&self) -> f64 {
-        (self.last_knot().max(0.0) - self.first_knot().min(0.0)) * self.speed
+        (self.last_time().max(0.0) - self.first_time().min(0.0)) * self.speed
     }
 
     /// Default time points: every knot of every gear, both sides of a vertical step, and enough
@@ -229,10 +211,10 @@ impl Run {
     /// # Errors
     /// A duration that is not positive, or too many points.
     pub fn grid(&self, duration: Option<f64>) -> Result<Grid> {
-        let begin = self.first_knot().min(0.0);
+        let begin = self.first_time().min(0.0);
         let end = match duration {
             Some(end) => positive("duration", end)?,
-            None => self.last_knot().max(0.0) + AFTER_LAST_KNOT,
+            None => self.last_time().max(0.0) + AFTER_LAST_KNOT,
         };
         self.check_span("duration", end)?;
         let step = std::f64::consts::TAU / (self.fastest * SAMPLES_PER_PERIOD);

@@ -2,8 +2,7 @@
 //! grid, and the lags between them are whole numbers of its spacings.
 
 use crate::distance::{Distance, Distances};
-use crate::knots::SLOTS;
-use crate::run::{Run, Track};
+use crate::track::Track;
 
 /// How the knots of all tracks lie on those of one of them, as far as these go.
 #[derive(Clone, Debug)]
@@ -19,7 +18,7 @@ impl SharedKnots {
     pub fn find(tracks: &[Track]) -> Option<Self> {
         let mut foremost = 0;
         for (index, track) in tracks.iter().enumerate() {
-            if first_knot(track).is_before(first_knot(&tracks[foremost])) {
+            if track.first_knot().is_before(tracks[foremost].first_knot()) {
                 foremost = index;
             }
         }
@@ -44,7 +43,7 @@ impl SharedKnots {
 /// Goes from knot to knot of the foremost track, all others in step with it.
 #[derive(Clone, Debug)]
 pub(crate) struct InStep<'a> {
-    run: &'a Run,
+    tracks: &'a [Track],
     shared: &'a SharedKnots,
     /// Breakpoints that the foremost track has passed at slot 0 of the block, and in the block.
     from: usize,
@@ -52,14 +51,14 @@ pub(crate) struct InStep<'a> {
 }
 
 impl<'a> InStep<'a> {
-    pub fn new(run: &'a Run, shared: &'a SharedKnots) -> Self {
-        Self { run, shared, from: 0, count: 0 }
+    pub fn new(tracks: &'a [Track], shared: &'a SharedKnots) -> Self {
+        Self { tracks, shared, from: 0, count: 0 }
     }
 
     /// Stations that the foremost track has yet to meet after the block.
     #[inline(always)]
     fn ahead(&self) -> &'a [f64] {
-        &self.run.tracks[self.shared.foremost].profile.knots()[self.from + self.count..]
+        &self.tracks[self.shared.foremost].profile.knots()[self.from + self.count..]
     }
 
     /// Whether there are none.
@@ -71,20 +70,20 @@ impl<'a> InStep<'a> {
     /// How many breakpoints of a track have been passed after the knot of a slot.
     #[inline(always)]
     pub fn passed(&self, track: usize, slot: usize) -> usize {
-        let last = self.run.tracks[track].profile.knots().len();
+        let last = self.tracks[track].profile.knots().len();
         (self.from + slot).saturating_sub(self.shared.apart[track]).min(last)
     }
 
     /// The next knots from slot 1 on, and a row a track of the slopes after them; gives the slots
     /// in use.
     #[inline(always)]
-    pub fn fill(&mut self, distance: &mut Distances<SLOTS>, slopes: &mut [[f64; SLOTS]]) -> usize {
+    pub fn fill<const N: usize>(&mut self, distance: &mut Distances<N>, slopes: &mut [[f64; N]]) -> usize {
         let x = self.ahead();
-        (self.from, self.count) = (self.from + self.count, x.len().min(SLOTS - 1));
-        let Self { run, shared, from, count } = *self;
-        distance.shift(1, &x[..count], run.tracks[shared.foremost].lag);
+        (self.from, self.count) = (self.from + self.count, x.len().min(N - 1));
+        let Self { tracks, shared, from, count } = *self;
+        distance.shift(1, &x[..count], tracks[shared.foremost].lag);
         for (index, slopes) in slopes.iter_mut().enumerate() {
-            let (profile, apart) = (&run.tracks[index].profile, shared.apart[index]);
+            let (profile, apart) = (&tracks[index].profile, shared.apart[index]);
             // It waits on the level, moves on with the foremost, and has moved on to the level.
             let begin = apart.saturating_sub(from).min(count);
             let end = (apart + profile.knots().len()).saturating_sub(from).min(count);
@@ -100,16 +99,11 @@ impl<'a> InStep<'a> {
     }
 }
 
-/// Where a track meets its first knot, if there is one.
-pub(crate) fn first_knot(track: &Track) -> Distance {
-    track.profile.knots().first().map_or(Distance::INFINITE, |&x| track.lag.plus(x))
-}
-
 /// How many spacings a track's first knot is behind that of another, if both are on one grid.
 fn apart(foremost: &Track, track: &Track) -> Option<usize> {
     /// More spacings than any profile has.
     const MOST: f64 = 1e15;
-    let (front, back) = (first_knot(foremost), first_knot(track));
+    let (front, back) = (foremost.first_knot(), track.first_knot());
     if back == Distance::INFINITE {
         return Some(0);
     }

@@ -270,7 +270,8 @@ FAMILIES = {
         Case(ratio=1.0, segments=60, lengths=EDGES, start=1e6, aircraft="f4e", steps=True),
         Case(ratio=0.0, segments=60, lengths=EDGES, start=1e8, aircraft="f4e", apart=False),
     ],
-    # Marched over two by two; all gears of the F-4E meet their knots together.
+    # Two at a stride, but with dampers and where stations are rounded (0.1); all gears of the F-4E
+    # meet their knots together.
     "equal segments": [
         Case(ratio=0.0, segments=10_000, lengths=(2.0**-10,), aircraft="f4e"),
         Case(ratio=0.01, segments=10_000, lengths=(0.25,), aircraft="f4e"),

@@ -22,7 +22,7 @@ use crate::transition::{Oscillators, Transition};
 /// Modes of a rigid aircraft.
 pub(super) const MODES: usize = 3;
 
-/// Share of a spacing within which a lag is a whole number of them, as in a run (`run::lag`).
+/// Share of a spacing within which a lag is a whole number of them, as in a run (`track::lag`).
 const HARMLESS: f64 = 1e-13;
 
 /// More spacings than this between two gears are a slip in the units.

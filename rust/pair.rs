@@ -17,20 +17,23 @@ pub(crate) struct Pair {
     twice: Transition,
     /// E f: what a unit rate on the first segment has done to d, v and p by the end of the second.
     first: State,
+    /// Length of each.
+    pub dt: f64,
 }
 
 impl Pair {
-    pub fn new(bank: &Oscillators, once: Transition) -> Self {
+    pub fn new(bank: &Oscillators, dt: f64) -> Self {
+        let once = bank.over(dt);
         let Transition { g, s, w, h, k } = once;
         let pull = s * g + g * h;
         let first = State { d: pull - h, v: (g + s * h) - w * g, p: k + pull };
-        Self { once, twice: bank.doubled(&once), first }
+        Self { once, twice: bank.doubled(&once), first, dt }
     }
 
     /// Carries a state over both segments, on which the static position moves at two rates.
     #[inline(always)]
     pub fn follow(&self, from: &State, [one, two]: [Lanes; 2]) -> State {
-        let Self { once, twice, first } = self;
+        let Self { once, twice, first, .. } = self;
         let pull = twice.s * from.v - twice.g * from.d;
         State {
             d: (from.d + (first.d * one - once.h * two)) + pull,
@@ -57,7 +60,7 @@ mod tests {
         for dt in [1e-9, 1e-4, 0.02, 0.3, 5.0, 700.0] {
             let once = bank.over(dt);
             let expected = once.follow(&once.follow(&start, rates[0]), rates[1]);
-            let found = Pair::new(&bank, once).follow(&start, rates);
+            let found = Pair::new(&bank, dt).follow(&start, rates);
             let parts = [(found.d, expected.d), (found.v, expected.v), (found.p, expected.p)];
             for (found, expected) in parts {
                 for lane in 0..LANES {

@@ -51,11 +51,7 @@ impl Kept {
                 self.transition.push(self.transition[0]);
             }
             let transition = &mut self.transition[usize::from(place)];
-            if bank.is_short(dt) {
-                *transition = bank.over_short(dt);
-            } else {
-                *transition = bank.over(dt);
-            }
+            *transition = bank.over(dt);
         }
         self.used |= 1 << place;
         place
@@ -70,22 +66,33 @@ impl Kept {
 /// Rows of the march between two ways through memory; even, as they are taken in pairs.
 const ROUND: usize = 32;
 
+/// How the transitions of a block are come by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Way {
+    /// All segments are of one length: two at a stride.
+    Even,
+    /// All are short: made on the way, while the march waits for its last state, and not kept.
+    Short,
+    /// Looked up among those kept.
+    Kept,
+}
+
 /// A block of knots and the transitions between them: all that can be known without a state.
 #[derive(Clone, Debug)]
 pub(crate) struct Path<'a> {
     pub run: &'a Run,
     pub knots: Knots<'a>,
+    way: Way,
+    pair: Pair,
     /// Transition to each knot: its place among those kept.
     place: [u8; SLOTS],
     kept: Kept,
-    /// Where all segments of the block are of one length.
-    pair: Option<Pair>,
 }
 
 impl<'a> Path<'a> {
     pub fn new(run: &'a Run) -> Self {
-        let kept = Kept::new(&run.oscillators);
-        let mut path = Self { run, knots: Knots::new(run), place: [0; SLOTS], kept, pair: None };
+        let (pair, kept) = (Pair::new(&run.oscillators, 0.0), Kept::new(&run.oscillators));
+        let mut path = Self { run, knots: Knots::new(run), way: Way::Kept, pair, place: [0; SLOTS], kept };
         find_transitions(&mut path);
         path
     }
@@ -99,7 +106,21 @@ impl<'a> Path<'a> {
 
     /// Transition to the knot of a slot.
     #[inline(always)]
-    pub fn transition(&self, slot: usize) -> &Transition {
+    pub fn transition(&self, slot: usize) -> Transition {
+        match self.way {
+            Way::Even => self.pair.once,
+            Way::Short => self.short(slot),
+            Way::Kept => *self.kept(slot),
+        }
+    }
+
+    #[inline(always)]
+    fn short(&self, slot: usize) -> Transition {
+        self.run.oscillators.over_short(self.knots.dt[slot])
+    }
+
+    #[inline(always)]
+    fn kept(&self, slot: usize) -> &Transition {
         self.kept.get(self.place[slot])
     }
 
@@ -149,20 +170,32 @@ impl<'a> Path<'a> {
         while slot < self.knots.len {
             let end = (slot + ROUND).min(self.knots.len);
             let mut here = now;
-            if let Some(pair) = &self.pair {
-                while slot + 1 < end {
-                    let rates = [beta(lines, slot - 1), beta(lines, slot)];
-                    trail.see(slot - 1, &here);
-                    trail.see(slot, &pair.once.follow(&here, rates[0]));
-                    here = pair.follow(&here, rates);
-                    slot += 2;
+            match self.way {
+                Way::Even => {
+                    let pair = &self.pair;
+                    while slot + 1 < end {
+                        let rates = [beta(lines, slot - 1), beta(lines, slot)];
+                        trail.see(slot - 1, &here);
+                        trail.see(slot, &pair.once.follow(&here, rates[0]));
+                        here = pair.follow(&here, rates);
+                        slot += 2;
+                    }
+                    if slot < end {
+                        here = turn(lines, slot, &pair.once, &here, trail);
+                    }
+                }
+                Way::Short => {
+                    for slot in slot..end {
+                        here = turn(lines, slot, &self.short(slot), &here, trail);
+                    }
+                }
+                Way::Kept => {
+                    for slot in slot..end {
+                        here = turn(lines, slot, self.kept(slot), &here, trail);
+                    }
                 }
             }
-            while slot < end {
-                here = self.turn(lines, slot, &here, trail);
-                slot += 1;
-            }
-            now = here;
+            (now, slot) = (here, end);
         }
         now
     }
@@ -171,13 +204,13 @@ impl<'a> Path<'a> {
     fn line(&self, track: usize) -> Line<'_> {
         Line { climb: self.run.tracks[track].climb, slopes: &self.knots.slopes[track] }
     }
+}
 
-    /// From the knot before a slot to that of the slot.
-    #[inline(always)]
-    fn turn(&self, lines: &[Line], slot: usize, from: &State, trail: &mut impl Trail) -> State {
-        trail.see(slot - 1, from);
-        self.transition(slot).follow(from, beta(lines, slot - 1))
-    }
+/// From the knot before a slot to that of the slot.
+#[inline(always)]
+fn turn(lines: &[Line], slot: usize, over: &Transition, from: &State, trail: &mut impl Trail) -> State {
+    trail.see(slot - 1, from);
+    over.follow(from, beta(lines, slot - 1))
 }
 
 /// Rate of the static position ÷ ω after the knot of a slot.
@@ -196,21 +229,25 @@ struct Line<'a> {
 /// Finds the transitions of a block.
 #[multiversion(targets("x86_64+avx2"))]
 fn find_transitions(path: &mut Path) {
-    let Path { run, knots, place, kept, pair } = path;
-    let mut last = place[0];
-    kept.used = 1 << last;
+    let Path { run, knots, way, pair, place, kept } = path;
+    let bank = &run.oscillators;
     if knots.is_even {
-        last = kept.place(&run.oscillators, knots.dt[1], last);
-        *place = [last; SLOTS];
-        let once = kept.get(last);
-        if pair.is_none_or(|pair| pair.once != *once) {
-            *pair = Some(Pair::new(&run.oscillators, *once));
+        *way = Way::Even;
+        if knots.dt[1] != pair.dt {
+            *pair = Pair::new(bank, knots.dt[1]);
         }
         return;
     }
-    *pair = None;
+    let short = |dt: &f64| bank.is_short(*dt);
+    if knots.dt[1..knots.len].iter().fold(true, |all, dt| all & short(dt)) {
+        *way = Way::Short;
+        return;
+    }
+    *way = Way::Kept;
+    let mut last = place[0];
+    kept.used = 1 << last;
     for slot in 1..knots.len {
-        last = kept.place(&run.oscillators, knots.dt[slot], last);
+        last = kept.place(bank, knots.dt[slot], last);
         place[slot] = last;
     }
     place[0] = last;

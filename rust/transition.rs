@@ -154,6 +154,9 @@ impl Oscillators {
     #[inline(always)]
     #[must_use]
     pub fn over(&self, dt: f64) -> Transition {
+        if self.is_short(dt) {
+            return self.over_short(dt);
+        }
         let (doublings, dt) = self.halved(dt);
         let mut step = self.step::<TERMS>(Lanes::all(dt));
         for _ in 0..doublings {
@@ -210,15 +213,13 @@ impl Oscillators {
 
     /// Whether [`over_short`](Self::over_short) will do.
     #[inline(always)]
-    #[must_use]
-    pub fn is_short(&self, dt: f64) -> bool {
+    pub(crate) fn is_short(&self, dt: f64) -> bool {
         self.stiffest * dt <= SHORT
     }
 
     /// The transition over a short time, by fewer terms.
     #[inline(always)]
-    #[must_use]
-    pub fn over_short(&self, dt: f64) -> Transition {
+    pub(crate) fn over_short(&self, dt: f64) -> Transition {
         self.step::<SHORT_TERMS>(Lanes::all(dt))
     }
 

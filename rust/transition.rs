@@ -35,8 +35,8 @@ const DEGREE: usize = 19;
 /// Coefficients of G ÷ x², and of K ÷ x³ = Σ aₙ xⁿ⁻² ÷ (n + 1).
 const TERMS: usize = DEGREE - 1;
 
-/// Up to this many radians the first [`SHORT_TERMS`] do as well.
-const SHORT: f64 = 0.0625;
+/// Up to this many radians the first [`SHORT_TERMS`] do: what they leave out is below 2⁻⁵⁷ of the sum.
+const SHORT: f64 = 0.125;
 const SHORT_TERMS: usize = TERMS - 8;
 
 /// The transition over one segment, one lane an oscillator. See the module text.

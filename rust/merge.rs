@@ -1,6 +1,8 @@
 //! Knots of several tracks merged into one order.
 
-use crate::distance::{Distance, Distances};
+use std::ops::Range;
+
+use crate::distance::{Distance, Distances, rank};
 use crate::track::Track;
 
 /// Breakpoints of one track looked ahead at.
@@ -18,6 +20,8 @@ struct Cursor<'a> {
     at: usize,
     /// Where they are met; infinite past the last.
     ahead: Distances<AHEAD>,
+    /// In which order.
+    rank: [i64; AHEAD],
 }
 
 impl<'a> Cursor<'a> {
@@ -25,7 +29,8 @@ impl<'a> Cursor<'a> {
     fn new(track: &'a Track, base: usize) -> Self {
         let Track { profile, lag, .. } = track;
         let (x, slopes) = (profile.knots(), profile.slopes());
-        let mut cursor = Self { x, slopes, lag: *lag, base, at: 0, ahead: Distances::INFINITE };
+        let (ahead, rank) = (Distances::INFINITE, [0; AHEAD]);
+        let mut cursor = Self { x, slopes, lag: *lag, base, at: 0, ahead, rank };
         cursor.look_ahead();
         cursor
     }
@@ -53,6 +58,7 @@ impl<'a> Cursor<'a> {
             self.ahead = Distances::INFINITE;
             self.ahead.shift(0, x, self.lag);
         }
+        self.ahead.rank(&mut self.rank);
     }
 }
 
@@ -123,21 +129,9 @@ impl<'a, const SLOTS: usize> Merge<'a, SLOTS> {
                     cursor.at += passes * sure;
                 }
             } else {
-                for slot in slot..slot + sure {
-                    let mut knot = Distance::INFINITE;
-                    for cursor in &*cursors {
-                        knot = knot.shorter(cursor.next());
-                    }
-                    if knot == Distance::INFINITE {
-                        return slot;
-                    }
-                    for track in 0..tracks {
-                        let cursor = &mut cursors[track];
-                        cursor.at += usize::from(cursor.next() == knot);
-                        passed[track][slot] = cursor.passed();
-                        slopes[track][slot] = cursor.slopes[cursor.passed()];
-                    }
-                    distance.set(slot, knot);
+                let found = one_by_one::<N, SLOTS>(cursors, slot..slot + sure, distance, passed, slopes);
+                if found < slot + sure {
+                    return found;
                 }
             }
             slot += sure;
@@ -167,4 +161,153 @@ fn together(cursors: &[Cursor], count: usize) -> Option<usize> {
                 || ahead.same(*at, &cursor.ahead, cursor.at, count));
     }
     all.then_some(first)
+}
+
+/// The next knots in these slots, each looked for; gives the first slot for which there is none.
+#[inline(always)]
+fn one_by_one<const N: usize, const SLOTS: usize>(
+    cursors: &mut [Cursor],
+    slots: Range<usize>,
+    distance: &mut Distances<SLOTS>,
+    passed: &mut [[usize; SLOTS]],
+    slopes: &mut [[f64; SLOTS]],
+) -> usize {
+    const BEYOND: i64 = rank(f64::INFINITY);
+    let tracks = cursors.len();
+    // Places of their own, which stay in registers where loops unroll: each knot waits for those
+    // that the one before has led to.
+    let (mut few, mut many);
+    let at: &mut [usize] = if N == 0 {
+        many = cursors.iter().map(|cursor| cursor.at).collect::<Vec<_>>();
+        &mut many
+    } else {
+        few = std::array::from_fn::<_, N, _>(|track| cursors[track].at);
+        &mut few
+    };
+    let mut end = slots.end;
+    for slot in slots {
+        let rank = |track: usize, at: usize| cursors[track].rank[at % AHEAD];
+        let next = |track: usize, at: usize| cursors[track].ahead.get(at % AHEAD);
+        let mut nearest = BEYOND;
+        for track in 0..tracks {
+            nearest = nearest.min(rank(track, at[track]));
+        }
+        if nearest == BEYOND {
+            end = slot;
+            break;
+        }
+        let (mut first, mut count) = (0, 0);
+        for track in 0..tracks {
+            if rank(track, at[track]) == nearest {
+                (first, count) = (track, count + 1);
+            }
+        }
+        let mut knot = next(first, at[first]);
+        if count == 1 {
+            for track in 0..tracks {
+                at[track] += usize::from(rank(track, at[track]) == nearest);
+            }
+        } else {
+            // At one rounded distance, but not yet at one distance.
+            for track in 0..tracks {
+                knot = knot.shorter(next(track, at[track]));
+            }
+            for track in 0..tracks {
+                at[track] += usize::from(next(track, at[track]) == knot);
+            }
+        }
+        distance.set(slot, knot);
+        for track in 0..tracks {
+            passed[track][slot] = cursors[track].base + at[track];
+            slopes[track][slot] = cursors[track].slopes[passed[track][slot]];
+        }
+    }
+    for (cursor, at) in cursors.iter_mut().zip(at) {
+        cursor.at = *at;
+    }
+    end
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::lanes::Lanes;
+    use crate::profile::Profile;
+
+    const SLOTS: usize = 64;
+
+    /// A track whose slopes are the numbers of its segments.
+    fn track(x: &[f64], lag: Distance) -> Track {
+        let mut z = 0.0;
+        let rise = |(segment, ends): (usize, &[f64])| {
+            z += (segment as f64 + 1.0) * (ends[1] - ends[0]);
+            z
+        };
+        let z: Vec<f64> = std::iter::once(0.0).chain(x.windows(2).enumerate().map(rise)).collect();
+        let profile = Arc::new(Profile::new(x.to_vec(), z).unwrap());
+        Track { profile, lag, lift: Lanes::ZERO, climb: Lanes::ZERO, drag: Lanes::ZERO }
+    }
+
+    /// Stations on a grid of eighths, some left out: many in common.
+    fn stations(begin: f64, count: usize, mut bits: u64) -> Vec<f64> {
+        let mut x = begin;
+        let next = |_| {
+            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            x += 0.125 * (1 + (bits >> 62)) as f64;
+            x
+        };
+        (0..count).map(next).collect()
+    }
+
+    /// All knots of all tracks in order, each once.
+    fn sorted(tracks: &[Track]) -> Vec<Distance> {
+        let knots =
+            |track: &Track| track.profile.knots().iter().map(|&x| track.lag.plus(x)).collect::<Vec<_>>();
+        let mut all: Vec<_> = tracks.iter().flat_map(knots).collect();
+        all.sort_by(|a, b| match (a.is_before(*b), b.is_before(*a)) {
+            (true, _) => std::cmp::Ordering::Less,
+            (_, true) => std::cmp::Ordering::Greater,
+            _ => std::cmp::Ordering::Equal,
+        });
+        all.dedup();
+        all
+    }
+
+    #[test]
+    fn every_knot_comes_once_and_in_order() {
+        // In step, half a grid aside, a rounding error aside, behind the origin, and a short one.
+        let tiny = Distance::sum(1.0, 1e-17);
+        let all = [
+            track(&stations(-40.0, 900, 1), Distance::ZERO),
+            track(&stations(-40.0, 900, 2), Distance::exactly(2.0)),
+            track(&stations(-40.0, 700, 3), tiny),
+            track(&stations(-3.0, 40, 4), Distance::exactly(0.0625)),
+            track(&[5.0], Distance::ZERO),
+        ];
+        for tracks in [&all[..2], &all[..3], &all[1..3], &all[2..4], &all[..], &all[4..]] {
+            let expected = sorted(tracks);
+            let mut merge = Merge::<SLOTS>::new(tracks, std::iter::repeat_n(0, tracks.len()));
+            let mut slopes = vec![[0.0; SLOTS]; tracks.len()];
+            let mut distance = Distances::INFINITE;
+            let mut found = Vec::new();
+            loop {
+                let len = merge.fill(&mut distance, &mut slopes);
+                for slot in 1..len {
+                    found.push(distance.get(slot));
+                    for (index, track) in tracks.iter().enumerate() {
+                        let met = |&&x: &&f64| !distance.get(slot).is_before(track.lag.plus(x));
+                        let passed = track.profile.knots().iter().filter(met).count();
+                        assert_eq!(merge.passed(index, slot), passed);
+                        assert_eq!(slopes[index][slot], track.profile.slopes()[passed]);
+                    }
+                }
+                if len < SLOTS {
+                    break;
+                }
+            }
+            assert_eq!(found, expected);
+        }
+    }
 }

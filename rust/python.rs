@@ -278,6 +278,7 @@ fn read_only<D: Dimension>(array: Bound<'_, PyArray<f64, D>>) -> Bound<'_, PyArr
 #[pyclass(frozen, module = "runway_modal._core")]
 struct Run(run::Run);
 
+
 #[pymethods]
 impl Run {
     #[new]
@@ -628,3 +629,9 @@ mod _core {
         monte_carlo, series, simulate_many,
     };
 }
+
+/// All that Python's objects hold by value.
+type Held = (aircraft::Gear, run::Run, sweep::Course, spectrum::Spectrum, roughness::Generator);
+
+// Python gives its objects memory at multiples of 16 bytes, whatever they hold.
+const _: () = assert!(align_of::<Held>() <= 16);

@@ -105,17 +105,15 @@ impl Transition {
 
 /// A bank of oscillators: frequencies, damping ratios and what follows from them alone.
 #[derive(Clone, Debug, PartialEq)]
-// Aligned, so that no vector that the march reads lies across two cache lines: 3 % of its time.
-#[repr(C, align(64))]
 pub struct Oscillators {
-    taylor_g: [Lanes; TERMS],
-    taylor_k: [Lanes; TERMS],
     /// Undamped circular frequencies, 0 in idle lanes.
     pub omega: Lanes,
     /// 2ζ.
     pub two_zeta: Lanes,
     /// Fastest rate of change, max over the bank of ω max(1, 2ζ): sets the Taylor step.
     stiffest: f64,
+    taylor_g: [Lanes; TERMS],
+    taylor_k: [Lanes; TERMS],
 }
 
 impl Oscillators {

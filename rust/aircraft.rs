@@ -11,6 +11,9 @@ pub const FREEDOMS: [&str; 3] = ["bounce", "pitch", "roll"];
 /// is only rounding away from carrying no load.
 const RANK_TOLERANCE: f64 = 1e-13;
 
+/// A share of the weight that may be rounding: of a gear that carries nothing.
+const NO_LOAD: f64 = 1e-9;
+
 /// The iteration limit of every eigenvalue and singular value problem (3 × 3 needs about ten).
 pub(crate) const ITERATIONS: usize = 1000;
 
@@ -98,7 +101,7 @@ impl Aircraft {
     ///
     /// # Errors
     /// A value out of range, no gear, two gears of one name, or gears that cannot carry
-    /// the weight in equilibrium.
+    /// the weight in equilibrium, or only if one of them pulls.
     pub fn new(inertia: Inertia, gears: Vec<Gear>) -> Result<Self> {
         positive("mass", inertia.mass)?;
         positive("pitch_inertia", inertia.pitch)?;
@@ -244,5 +247,10 @@ fn statics(inertia: &Inertia, gears: &[Gear]) -> Result<(Vec<f64>, usize)> {
         return Err(Error::Unsupported { freedom: FREEDOMS[freedom], gears: gears.len(), arm });
     }
     let total = inertia.mass * inertia.gravity;
+    if let Some(index) = load.iter().position(|share| *share < -NO_LOAD)
+        && total > 0.0
+    {
+        return Err(Error::Pulling { index, name: gears[index].name.clone(), load: load[index] * total });
+    }
     Ok((load.iter().map(|share| share * total).collect(), rank))
 }

@@ -82,6 +82,12 @@ pub enum Error {
          ({gears} gear(s), unbalanced arm {arm:?} from the centre of gravity)"
     )]
     Unsupported { freedom: &'static str, gears: usize, arm: f64 },
+    /// A gear that would have to pull at rest.
+    #[error(
+        "gears[{index}] = '{name}' would have to hold the aircraft down at rest, static load {load:?}: \
+         check the arms (x is forward of the centre of gravity, y to the left)"
+    )]
+    Pulling { index: usize, name: String, load: f64 },
     /// A value whose consequences leave the range of double precision.
     #[error("{place} = {value:?} is out of range: {why}")]
     OutOfRange { place: Place, value: f64, why: &'static str },

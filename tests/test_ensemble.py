@@ -23,20 +23,17 @@ MODES = rm.f4e().modes(0.01)
 
 def craft(random: np.random.Generator, gears: int) -> rm.Aircraft:
     """Crooked aircraft; of three gears and more two may stand side by side."""
-    places = [(-40.0 + 250.0 * random.random() * (i % 2), 90.0 * (i - 1)) for i in range(gears)]
-    if gears <= 2:
-        places = [(0.0, 0.0), (200.0, 0.0)][:gears]
-    x = np.array([place[0] for place in places])
-    if gears == 2:
-        places = [(x - 50.0, 0.0) for x in x]
+    number = np.arange(gears)
+    x = np.where(number % 2, random.uniform(0.0, 210.0, gears), -40.0)
+    y = 90.0 * number if gears > 2 else np.zeros(gears)
+    stiffness = random.uniform(1500.0, 9000.0, gears)
+    # The centre of gravity where all are pressed in alike: none pulls at rest.
+    x, y = (arm - np.average(arm, weights=stiffness) if gears > 1 else [0.0] for arm in (x, y))
     return rm.Aircraft(
         mass=145.5,
         pitch_inertia=1.92e6,
         roll_inertia=6.56e5,
-        gears=[
-            rm.Gear(f"g{i}", *place, random.uniform(1500, 9000), random.uniform(0, 100))
-            for i, place in enumerate(places)
-        ],
+        gears=[rm.Gear(f"g{i}", x[i], y[i], stiffness[i], random.uniform(0, 100)) for i in number],
         stations={"pilot": (250.0, 10.0)},
     )
 

@@ -141,7 +141,7 @@ class Aircraft:
     ------
     InputError
         If a value is out of range, there is no gear, a gear name repeats, or the gears cannot
-        carry the weight.
+        carry the weight, or only if one of them pulls on the runway.
 
     Examples
     --------

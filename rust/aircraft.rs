@@ -1,8 +1,9 @@
 //! The aircraft: a rigid body on any number of gears (Eqs. 1–5).
 
-use nalgebra::{DMatrix, DVector, Matrix3, SVD, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Error, Place, Result, finite, not_negative, positive};
+use crate::strains::Strains;
 
 /// Bounce, pitch and roll.
 pub const FREEDOMS: [&str; 3] = ["bounce", "pitch", "roll"];
@@ -13,9 +14,6 @@ const RANK_TOLERANCE: f64 = 1e-13;
 
 /// A share of the weight that may be rounding: of a gear that carries nothing.
 const NO_LOAD: f64 = 1e-9;
-
-/// The iteration limit of every eigenvalue and singular value problem (3 × 3 needs about ten).
-pub(crate) const ITERATIONS: usize = 1000;
 
 /// A gear: strut and tire in series, reduced to one linear spring and damper.
 #[derive(Clone, Debug, PartialEq)]
@@ -205,45 +203,32 @@ fn check_range(inertia: &Inertia, gears: &[Gear]) -> Result<()> {
 /// columns are scaled by √k only in the second case, so soft and stiff gears side by side
 /// cost a determinate aircraft no digits.
 fn statics(inertia: &Inertia, gears: &[Gear]) -> Result<(Vec<f64>, usize)> {
-    let mut arms = DMatrix::from_fn(3, gears.len(), |i, g| gears[g].row()[i]);
-    for mut row in arms.row_iter_mut() {
-        let size = row.amax();
-        if size > 0.0 {
-            row /= size;
-        }
-    }
-    let decompose = |matrix: DMatrix<f64>| {
-        SVD::try_new(matrix, true, true, f64::EPSILON, ITERATIONS)
-            .ok_or(Error::NotConverged { iterations: ITERATIONS })
-    };
-    let free = decompose(arms.clone())?;
-    let rank = free.rank(RANK_TOLERANCE * free.singular_values.max());
+    let rows: Vec<_> = gears.iter().map(Gear::row).collect();
+    let size = rows.iter().fold(Vector3::zeros(), |size: Vector3<f64>, row| size.sup(&row.abs()));
+    let scale = size.map(|size| if size > 0.0 { 1.0 / size } else { 1.0 });
+    let arms: Vec<_> = rows.iter().map(|row| row.component_mul(&scale)).collect();
+    let rank = Strains::new(&arms, RANK_TOLERANCE).rank();
 
     let stiffest = gears.iter().map(|g| g.stiffness).fold(0.0, f64::max);
-    let share = DVector::from_iterator(
-        gears.len(),
-        gears.iter().map(|g| if gears.len() > rank { (g.stiffness / stiffest).sqrt() } else { 1.0 }),
-    );
-    let mut system = arms.clone();
-    for (mut column, scale) in system.column_iter_mut().zip(share.iter()) {
-        column *= *scale;
-    }
-    let solver = decompose(system)?;
-    let cutoff = RANK_TOLERANCE * solver.singular_values.max();
+    let share = |g: &Gear| if gears.len() > rank { (g.stiffness / stiffest).sqrt() } else { 1.0 };
+    let share: Vec<f64> = gears.iter().map(share).collect();
+    let system: Vec<_> = arms.iter().zip(&share).map(|(arm, share)| arm * *share).collect();
+    let solver = Strains::new(&system, RANK_TOLERANCE);
     // The bounce row of `arms` is all ones: its scale is 1, so unit weight stays unit weight.
-    let weight = DVector::from_column_slice(&[1.0, 0.0, 0.0]);
-    let mut load = DVector::zeros(gears.len());
-    let mut residual = weight.clone();
+    let weight = Vector3::x();
+    let mut load = vec![0.0; gears.len()];
+    let mut residual = weight;
     for _ in 0..2 {
         // The second pass takes back the rounding of the first.
-        let step = solver.solve(&residual, cutoff).unwrap_or_else(|_| DVector::zeros(gears.len()));
-        load += step.component_mul(&share);
-        residual = &weight - &arms * &load;
+        for ((load, step), share) in load.iter_mut().zip(solver.solve(&residual)).zip(&share) {
+            *load += step * share;
+        }
+        residual = weight - arms.iter().zip(&load).map(|(arm, load)| arm * *load).sum::<Vector3<f64>>();
     }
     if residual.amax() > 1e-9 {
-        let moment = |i: usize| gears.iter().zip(load.iter()).map(|(g, f)| g.row()[i] * f).sum::<f64>();
         let freedom = if residual[1].abs() >= residual[2].abs() { 1 } else { 2 };
-        let arm = moment(freedom) / load.sum();
+        let moment: f64 = rows.iter().zip(&load).map(|(row, load)| row[freedom] * load).sum();
+        let arm = moment / load.iter().sum::<f64>();
         return Err(Error::Unsupported { freedom: FREEDOMS[freedom], gears: gears.len(), arm });
     }
     let total = inertia.mass * inertia.gravity;

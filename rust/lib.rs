@@ -23,6 +23,7 @@
 //! | module | what it knows |
 //! |---|---|
 //! | [`error`] | the one error enum |
+//! | `strains` | directions in which springs are strained independently |
 //! | [`aircraft`] | gears and masses → matrices, static loads |
 //! | [`distance`] | distances rolled, with their rounding error |
 //! | [`profile`] | a checked piecewise-linear profile |
@@ -103,6 +104,7 @@ pub mod run;
 pub mod sample;
 mod shared_knots;
 pub mod spectrum;
+mod strains;
 pub mod sweep;
 mod track;
 pub mod transition;

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use crate::aircraft::{Aircraft, Gear, ITERATIONS, gram};
+use crate::aircraft::{Aircraft, Gear, gram};
 use crate::error::{Error, Place, Result, finite, not_negative, positive};
+use crate::strains::orthogonal_strains;
 
 /// How far ΦᵀMΦ of given shapes may be from the identity: three printed digits, as in
 /// the report's tables, are off by up to 1.3e-3.
@@ -224,6 +225,8 @@ fn rayleigh(aircraft: &Aircraft, shape: &Vector3<f64>, weight: impl Fn(&Gear) ->
 
 /// ω ascending and Φ of (K − ω²M) φ = 0, ΦᵀMΦ = I (Eqs. 6–8).
 fn eigen(aircraft: &Aircraft) -> Result<(Vec<f64>, Vec<Vector3<f64>>)> {
+    /// Ten or so do for 3 × 3.
+    const ITERATIONS: usize = 1000;
     let springs: Vec<Vector3<f64>> =
         aircraft.gears().iter().map(|gear| aircraft.normal_row(gear) * gear.stiffness.sqrt()).collect();
     let normal = gram(springs.iter().map(|row| (*row, 1.0)));
@@ -250,36 +253,6 @@ fn eigen(aircraft: &Aircraft) -> Result<(Vec<f64>, Vec<Vector3<f64>>)> {
         }
     }
     Ok(modes.into_iter().unzip())
-}
-
-/// Turns the eigenvectors until the spring forces of any two are orthogonal to rounding.
-///
-/// An eigenvalue solver errs by the rounding of the *largest* eigenvalue; Jacobi rotations on
-/// the springs themselves (one-sided, so that nothing is squared) give every mode, however
-/// soft beside the others, its own full precision.
-fn orthogonal_strains(springs: &[Vector3<f64>], mut vectors: Matrix3<f64>) -> Matrix3<f64> {
-    const SWEEPS: usize = 8; // two suffice; more cannot harm
-    for _ in 0..SWEEPS {
-        let mut turned = false;
-        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-            let (a, b) = (vectors.column(i).into_owned(), vectors.column(j).into_owned());
-            let strain =
-                |v: &Vector3<f64>, w: &Vector3<f64>| springs.iter().map(|s| s.dot(v) * s.dot(w)).sum::<f64>();
-            let (aa, ab, bb) = (strain(&a, &a), strain(&a, &b), strain(&b, &b));
-            if ab.abs() > f64::EPSILON * (aa.sqrt() * bb.sqrt()) {
-                let half = (bb - aa) / (2.0 * ab);
-                let tangent = half.signum() / (half.abs() + (1.0 + half * half).sqrt());
-                let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
-                vectors.set_column(i, &((a - b * tangent) * cosine));
-                vectors.set_column(j, &((a * tangent + b) * cosine));
-                turned = true;
-            }
-        }
-        if !turned {
-            break;
-        }
-    }
-    vectors
 }
 
 fn check_ratios(ratios: &[f64], modes: usize) -> Result<Vec<f64>> {

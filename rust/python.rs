@@ -278,7 +278,6 @@ fn read_only<D: Dimension>(array: Bound<'_, PyArray<f64, D>>) -> Bound<'_, PyArr
 #[pyclass(frozen, module = "runway_modal._core")]
 struct Run(run::Run);
 
-
 #[pymethods]
 impl Run {
     #[new]

@@ -398,6 +398,18 @@ def test_static_loads_as_springs_share_them(gears: list[tuple[float, ...]]) -> N
     np.testing.assert_allclose(moments, [weight, 0, 0], rtol=1e-14, atol=1e-11 * weight)
 
 
+@pytest.mark.parametrize("seed", [998, 2309, 7])
+def test_static_loads_where_all_gears_are_pressed_in_alike(seed: int) -> None:
+    # Of the first two a library's singular value decomposition gave loads off by 1e-4.
+    random = np.random.default_rng(seed)
+    x = np.array([-40.0, 0.0, -40.0, 0.0]) + random.uniform(0.0, 210.0, 4) * [0, 1, 0, 1]
+    y = 90.0 * np.arange(4)
+    stiffness = random.uniform(1500.0, 9000.0, 4)
+    arms = [arm - np.average(arm, weights=stiffness) for arm in (x, y)]
+    load = aircraft(list(zip(*arms, stiffness, strict=True))).static_load
+    np.testing.assert_allclose(load, 145.5 * 386.0886 * stiffness / stiffness.sum(), rtol=1e-13)
+
+
 def test_static_loads_of_determinate_gears_do_not_depend_on_stiffness() -> None:
     soft = aircraft([CROOKED[0], CROOKED[1], (-52.0, -117.0, 7.3e-5)])
     np.testing.assert_allclose(soft.static_load, aircraft(CROOKED).static_load, rtol=1e-14)

@@ -18,13 +18,13 @@ use std::sync::Arc;
 use crate::error::{Error, Place, Result, finite, positive};
 use crate::modes::Modes;
 use crate::parallel::{self, Tools};
-use crate::run::check_speed;
+use crate::row::{RUNS, Row};
+use crate::run::{LAST_KNOT, check_speed};
 use crate::watch::{Pulse, Watch};
 
 mod constants;
 mod kernel;
 mod records;
-mod row;
 mod setup;
 mod vector;
 
@@ -32,7 +32,6 @@ use constants::Constants;
 use kernel::{March, PERIODS};
 use pulp::Arch;
 pub use pulp::Simd;
-pub use row::{RUNS, Row};
 use setup::{Setup, Stations};
 
 /// Largest elevation: as in a profile, its square must stay in double precision.
@@ -254,7 +253,7 @@ impl Plan {
         let setup = Setup::new(&self.modes[case], stations, speed, &self.points[case], self.damping_input);
         setup.map_err(|error| match error {
             // The time over the profiles: all but the speed is as for other runs.
-            Error::OutOfRange { place, why, .. } if place == Place::from("tracks") => {
+            Error::OutOfRange { place, why, .. } if place == Place::from(LAST_KNOT) => {
                 Error::OutOfRange { place: self.place_of_speed(run), value: speed, why }
             }
             other => other,

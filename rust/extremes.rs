@@ -343,8 +343,10 @@ impl Climb<'_> {
             let short = (next - at).abs() <= SHORT * h;
             at = next;
             if short {
-                // As far as a step this short matters, F is a parabola.
-                self.offer(value - 0.5 * slope * slope / bend, tau + at);
+                if at == newton {
+                    // As far as a step this short matters, F is a parabola.
+                    self.offer(value - 0.5 * slope * slope / bend, tau + at);
+                }
                 break;
             }
         }
@@ -703,13 +705,14 @@ impl Run {
     /// At a vertical step both sides count.
     ///
     /// # Errors
-    /// An overflow, or what `pulse` gives.
+    /// Times not finite or in the wrong order, an overflow, or what `pulse` gives.
     pub fn extremes(
         &self,
         quantities: &[Quantity],
         (begin, end): (f64, f64),
         pulse: Pulse,
     ) -> Result<Vec<Extreme>> {
+        self.check_times(&[begin, end])?;
         let forms: Vec<Form> = quantities.iter().flat_map(|quantity| Form::all(self, quantity)).collect();
         let bank = &self.oscillators;
         let heights = Heights::new(self, &forms);

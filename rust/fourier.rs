@@ -6,9 +6,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::ensemble::Row;
 use crate::error::Result;
 use crate::parallel;
+use crate::row::Row;
 use crate::watch::{Pulse, Watch};
 
 /// Real and imaginary parts of one term, or two neighbouring stations.
@@ -232,7 +232,7 @@ impl Butterfly for [Pair; 5] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ensemble::RUNS;
+    use crate::row::RUNS;
 
     /// Against the sum as it is written, for every radix and mixtures of them.
     #[test]

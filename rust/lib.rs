@@ -46,6 +46,7 @@
 //! | `parallel` | independent pieces of work on all threads |
 //! | [`sweep`] | one runway at many speeds |
 //! | [`worst`] | the worst speed of a range, with a bound on all others |
+//! | [`row`] | eight runs side by side: a number of each |
 //! | [`random`] | normal deviates, a pure function of seed, run, line and track |
 //! | `fourier` | inverse transforms of eight runs side by side |
 //! | [`spectrum`] | one-sided spectra: piecewise power laws in a band |
@@ -100,6 +101,7 @@ mod python;
 pub mod random;
 pub mod readout;
 pub mod roughness;
+pub mod row;
 pub mod run;
 pub mod sample;
 mod shared_knots;

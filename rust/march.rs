@@ -163,6 +163,7 @@ fn march_block(block: &mut Block) {
             now.d -= track.lift * jump.height;
             now.v += track.drag * run.oscillators.omega * jump.height;
             step += 1;
+            short_bumps.was_level = false;
         }
         drive = path.drive(slot);
         if short_bumps.watching {

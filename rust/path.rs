@@ -9,6 +9,9 @@ use crate::pair::Pair;
 use crate::run::Run;
 use crate::transition::{Drive, Oscillators, State, Transition};
 
+/// Hashes of Δt: so many more than places that two of them seldom share one.
+const HASHES: usize = 256;
+
 /// Transitions by the bits of their Δt, a block's worth. Nominally equal segments differ by the
 /// rounding of their stations and then take a handful of values between them; a lag between
 /// gears splits every segment in the same two.
@@ -18,17 +21,19 @@ struct Kept {
     /// As many as were needed so far.
     transition: Vec<Transition>,
     /// Where a Δt may be found, by a hash of its bits.
-    place: [u8; SLOTS],
+    place: [u8; HASHES],
     /// One bit a place: whether the block at hand uses it.
     used: u64,
     next: u8,
 }
 
+const _: () = assert!(SLOTS == u64::BITS as usize);
+
 impl Kept {
     fn new(bank: &Oscillators) -> Self {
         let mut transition = Vec::with_capacity(SLOTS);
         transition.push(bank.over(0.0));
-        Self { dt: [0.0; SLOTS], transition, place: [0; SLOTS], used: 0, next: 0 }
+        Self { dt: [0.0; SLOTS], transition, place: [0; HASHES], used: 0, next: 0 }
     }
 
     /// Place of the transition over `dt`, which is likely that of the last one.
@@ -37,7 +42,7 @@ impl Kept {
         if self.dt[usize::from(last) % SLOTS] == dt {
             return last;
         }
-        let hash = (dt.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 58) as usize % SLOTS;
+        let hash = (dt.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 56) as usize % HASHES;
         let mut place = self.place[hash];
         if self.dt[usize::from(place) % SLOTS] != dt {
             // A block has fewer segments than there are places: one is free.

@@ -6,11 +6,13 @@ use nalgebra::{Matrix3, Vector3};
 use numpy::ndarray::{Array3, ArrayView, ArrayView1, Dim, Dimension, IntoDimension};
 use numpy::{
     PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
-    PyReadonlyArray3, PyReadwriteArray3,
+    PyReadonlyArray3, PyReadwriteArray3, get_array_module,
 };
 use pyo3::create_exception;
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
+use pyo3::intern;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 use crate::aircraft::{self, Inertia};
 use crate::error::{Error, Place, Result};
@@ -238,14 +240,18 @@ type Sampled<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound
 /// See [`Run::states`].
 type States<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 
-/// A new array whose values are yet to be written.
-fn blank<const N: usize>(py: Python, shape: [usize; N]) -> Bound<PyArray<f64, Dim<[usize; N]>>>
+/// A new array whose values are yet to be written. NumPy makes it, and knows the error to raise where
+/// there is no room.
+fn blank<const N: usize>(
+    py: Python<'_>,
+    shape: [usize; N],
+) -> PyResult<Bound<'_, PyArray<f64, Dim<[usize; N]>>>>
 where
-    [usize; N]: IntoDimension<Dim = Dim<[usize; N]>>,
+    [usize; N]: IntoDimension<Dim = Dim<[usize; N]>> + for<'a> IntoPyObject<'a>,
     Dim<[usize; N]>: Dimension,
 {
-    // SAFETY: any bits are an f64; all are written before a value is read.
-    unsafe { PyArray::new(py, shape, false) }
+    let shape = PyTuple::new(py, shape)?;
+    Ok(get_array_module(py)?.call_method1(intern!(py, "empty"), (shape,))?.cast_into()?)
 }
 
 /// A part of a read-only array in a shape of its own.
@@ -299,8 +305,8 @@ impl Run {
         // so the blocks are not shrunk, and the next run asks for just as much, and they are two
         // rather than three, one with room to spare, as glibc keeps up to twice the largest block.
         let most = grid.most;
-        let first = blank(py, [most * (1 + columns) + TO_SPARE.min(4 * most)]);
-        let second = blank(py, [most * columns]);
+        let first = blank(py, [most * (1 + columns) + TO_SPARE.min(4 * most)])?;
+        let second = blank(py, [most * columns])?;
         let rows = {
             let (mut first, mut second) = (first.readwrite(), second.readwrite());
             let (time, modal) = first.as_slice_mut()?.split_at_mut(most);
@@ -317,7 +323,7 @@ impl Run {
         let times = times.as_slice()?;
         self.0.check_times(times)?;
         let shape = [times.len(), self.0.modes().omega().len()];
-        let (modal, rate) = (blank(py, shape), blank(py, shape));
+        let (modal, rate) = (blank(py, shape)?, blank(py, shape)?);
         {
             let (mut modal, mut rate) = (modal.readwrite(), rate.readwrite());
             let (modal, rate) = (modal.as_slice_mut()?, rate.as_slice_mut()?);
@@ -347,7 +353,7 @@ impl Run {
             "acceleration" => (stations.len(), Some(Quantity::Acceleration(stations))),
             other => return Err(PyValueError::new_err(format!("no quantity '{other}'"))),
         };
-        let values = blank(py, [times.len(), columns]);
+        let values = blank(py, [times.len(), columns])?;
         {
             let mut out = values.readwrite();
             let out = out.as_slice_mut()?;

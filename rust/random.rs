@@ -11,7 +11,7 @@
 
 use std::f64::consts::{FRAC_PI_2, LN_2, SQRT_2};
 
-use crate::ensemble::{RUNS, Row};
+use crate::row::{RUNS, Row};
 
 /// Lines drawn at once: loops this long keep a processor's units busy.
 pub const LINES: usize = 8;

@@ -19,11 +19,12 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::coherence::Coherency;
-use crate::ensemble::{RUNS, Reader, Row, Simd, Source};
+use crate::ensemble::{Reader, Simd, Source};
 use crate::error::{Error, Result, finite, positive};
 use crate::fourier::{NONE, Pair, Transform, times};
 use crate::parallel::{self, Tools, threads};
 use crate::random::{Deviates, LINES, Streams};
+use crate::row::{RUNS, Row};
 use crate::spectrum::Spectrum;
 use crate::watch::{Pulse, Watch};
 

@@ -22,6 +22,9 @@ const AFTER_LAST_KNOT: f64 = 5.0;
 /// More default time points between knots than this are refused: a slip in the units, not a wish.
 const MOST_SAMPLES: f64 = 1e8;
 
+/// What an error calls the time at which the last gear meets the last breakpoint.
+pub(crate) const LAST_KNOT: &str = "time of the last knot";
+
 /// Longest run in radians of the fastest mode: beyond it a phase has no digits left.
 const LONGEST_PHASE: f64 = 1e12;
 
@@ -95,7 +98,7 @@ impl Run {
         let mut track_of = Vec::with_capacity(gears.len());
         for (gear, profile) in gears.iter().zip(profiles) {
             let lag = lag(front, gear.x, profile);
-            let same = |track: &Track| Arc::ptr_eq(&track.profile, profile) && track.lag == lag;
+            let same = |track: &Track| track.lag == lag && Arc::ptr_eq(&track.profile, profile);
             let index = tracks.iter().position(same).unwrap_or_else(|| {
                 let none = Lanes::ZERO;
                 tracks.push(Track { profile: Arc::clone(profile), lag, lift: none, climb: none, drag: none });
@@ -128,8 +131,8 @@ impl Run {
             fastest,
             stiffest,
         };
-        run.check_span("tracks", run.last_time())?;
-        run.check_span("tracks", run.first_time())?;
+        run.check_span(LAST_KNOT, run.last_time())?;
+        run.check_span("time of the first knot", run.first_time())?;
         Ok(run)
     }
 
@@ -212,23 +215,27 @@ impl Run {
     /// A duration that is not positive, or too many points.
     pub fn grid(&self, duration: Option<f64>) -> Result<Grid> {
         let begin = self.first_time().min(0.0);
-        let end = match duration {
-            Some(end) => positive("duration", end)?,
-            None => self.last_time().max(0.0) + AFTER_LAST_KNOT,
+        let (name, end) = match duration {
+            Some(end) => ("duration", positive("duration", end)?),
+            None => ("the default duration", self.last_time().max(0.0) + AFTER_LAST_KNOT),
         };
-        self.check_span("duration", end)?;
+        self.check_span(name, end)?;
         let step = std::f64::consts::TAU / (self.fastest * SAMPLES_PER_PERIOD);
         let between = (end - begin) / step;
         if between > MOST_SAMPLES {
-            let place = Place::from("duration");
             return Err(Error::OutOfRange {
-                place,
+                place: name.into(),
                 value: end,
                 why: "more than 1e8 time points; give times",
             });
         }
         // At most: a row a knot, the other side of each step, the two ends, and a few for rounding.
-        let between = self.tracks.iter().map(|track| self.between(track, begin, end, step)).min();
+        let between = self
+            .tracks
+            .iter()
+            .map(|track| self.between(track, begin, end, step))
+            .chain([between as usize + 1])
+            .min();
         let steps = self.tracks.iter().map(|track| track.profile.steps()).sum::<usize>();
         let most = between.unwrap_or(0) + self.most_knots() + steps + 8;
         Ok(Grid { begin, end, step, most })

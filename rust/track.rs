@@ -27,14 +27,16 @@ impl Track {
     }
 }
 
+/// Share of a spacing within which a lag is a whole number of them.
+pub(crate) const HARMLESS: f64 = 1e-13;
+
 /// How far a gear is behind the foremost one.
 ///
 /// Exactly the difference of the arms; rounded to one double where that moves no elevation by
 /// more than 1e-13 of the steepest segment's rise, so that a grid whose lag is nominally a whole
 /// number of spacings has common knots and not pairs of them a rounding error apart.
 pub(crate) fn lag(front: f64, x: f64, profile: &Profile) -> Distance {
-    const HARMLESS: f64 = 1e-13;
     let exact = Distance::sum(front, -x);
-    let rounded = Distance::sum(exact.nearest(), 0.0);
+    let rounded = Distance::exactly(exact.nearest());
     if exact.minus(rounded).abs() <= HARMLESS * profile.finest() { rounded } else { exact }
 }

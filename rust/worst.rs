@@ -66,7 +66,7 @@ pub struct Range {
     pub high: f64,
     /// How much worse a speed not tried may be.
     pub tolerance: f64,
-    /// No more runs than this beyond the first 66.
+    /// No more runs than this in all, but for the first 66.
     pub most_runs: usize,
 }
 

@@ -148,6 +148,8 @@ def profile(case: Case, omega: float, rng: np.random.Generator) -> rm.Profile:
         z[-1] = z[0]
     if case.steps:
         stepped = rng.permutation(n + 1)[: max(2, n // 10)]
+        if case.closed:
+            stepped[0] = n  # and back by one
         rise = rng.uniform(-0.3, 0.3, stepped.size)
         x, z = np.insert(x, stepped, x[stepped]), np.insert(z, stepped, z[stepped] + rise)
     return rm.Profile(x, z)
@@ -310,6 +312,8 @@ FAMILIES = {
         Case(phase=1e-4, ratio=0.0, aircraft="single", closed=True),
         Case(phase=1e-2, ratio=0.0, apart=False, segments=10, closed=True),
         Case(phase=1.0, ratio=0.5, apart=False, segments=10, closed=True),
+        Case(phase=1e-6, ratio=0.0, aircraft="single", closed=True, steps=True),
+        Case(phase=1e-6, ratio=0.5, apart=False, segments=10, closed=True, steps=True),
     ],
 }
 

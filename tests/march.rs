@@ -138,6 +138,16 @@ proptest! {
     }
 }
 
+#[test]
+fn extremes_are_those_of_a_span_of_time() {
+    let run = run([&Profile::new(vec![0.0, 12.0], vec![0.0, 1.5]).unwrap(); 3], 0.01, false);
+    let within = |span| run.extremes(&[Quantity::Load], span, &mut || Ok(()));
+    assert!(within((0.0, 8.0)).is_ok());
+    for span in [(0.0, f64::INFINITY), (8.0, 0.0), (f64::NAN, 8.0), (0.0, 1e300)] {
+        assert!(within(span).is_err(), "{span:?}");
+    }
+}
+
 /// Long enough for many blocks of knots; some lengths come back, among many that never do.
 #[test]
 fn lengths_that_come_back_are_told_from_others() {

@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use runway_modal::coherence::Coherency;
-use runway_modal::ensemble::RUNS;
 use runway_modal::error::{Error, Result};
 use runway_modal::roughness::{Generator, Stretch};
+use runway_modal::row::RUNS;
 use runway_modal::spectrum::{PowerLaw, Spectrum};
 use runway_modal::watch::Pulse;
 

@@ -141,6 +141,19 @@ def test_overdamped_far_beyond_critical(name: str, ratio: float) -> None:
     check(rm.simulate(craft().modes(ratio), PROFILES[name], rm.knots(20)))
 
 
+@pytest.mark.parametrize("ratio", [1e4, 3e4, 1e5])
+@pytest.mark.parametrize("name", ["mat", "bump", "rough"])
+def test_damped_so_strongly_that_nothing_moves(name: str, ratio: float) -> None:
+    # Accelerations are then small differences of large terms, and bend as their rounding does.
+    response = rm.simulate(craft().modes(ratio), PROFILES[name], rm.knots(20))
+    extremes = response.extremes()
+    np.testing.assert_allclose(extremes.max_load, response.load.max(axis=0), rtol=1e-6)
+    np.testing.assert_allclose(extremes.min_load, response.load.min(axis=0), rtol=1e-6)
+    for station, size in extremes.max_acceleration.items():
+        sampled = abs(response.acceleration[station]).max()
+        assert sampled * (1 - 1e-9) <= size <= sampled * 1.01
+
+
 @pytest.mark.parametrize("name", ["mat", "bump", "rough"])
 def test_damping_input(name: str) -> None:
     modes = craft(40.0, 160.0, 150.0).modes()

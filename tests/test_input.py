@@ -1,6 +1,9 @@
 """Bad and extreme input: it works, or `InputError` names argument, index and value."""
 
+import os
 import re
+import subprocess
+import sys
 import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -533,3 +536,26 @@ def test_threads_sharing_one_response() -> None:
     with ThreadPoolExecutor(8) as pool:
         loads = list(pool.map(lambda t: response.at(t).load.tobytes(), [response.time] * 16))
     assert set(loads) == {response.load.tobytes()}
+
+
+def test_a_short_look_at_a_long_profile_needs_little_room() -> None:
+    # Terabytes, if room were made for all of the profile.
+    response = rm.simulate(rm.f4e().modes(0.01), rm.Profile([0, 2e12], [0, 1]), 405.0, duration=1.0)
+    assert response.time.size < 100
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of the address space")
+def test_no_room_for_the_results_is_a_memory_error() -> None:
+    code = """
+import resource, runway_modal as rm
+resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
+try:
+    rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), 405.0, duration=1e6)
+except MemoryError:
+    print("no room")
+"""
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
+    )
+    assert done.stdout == "no room\n"

@@ -1,9 +1,9 @@
 //! What the set-ups of runs side by side make of every period, number by number in rows.
 
-use super::row::Row;
 use super::setup::{MODES, Reading, Setup};
 use crate::lanes::Lanes;
 use crate::readout::Form;
+use crate::row::Row;
 
 /// d and ẏ/ω of each mode.
 pub(super) type States<T> = [T; 2 * MODES];

@@ -10,11 +10,11 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::constants::{Constants, States, of_lane};
 use super::records::Records;
-use super::row::{RUNS, Row};
 use super::setup::{Layout, MODES, Setup};
 use super::vector::parts;
 use super::{Reader, Statistics};
 use crate::extremes::Output;
+use crate::row::{RUNS, Row};
 use crate::watch::Watch;
 
 mod look;

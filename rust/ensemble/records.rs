@@ -2,11 +2,11 @@
 
 use pulp::Simd;
 
-use super::row::{RUNS, Row};
 use super::setup::Setup;
 use super::vector::{Part, Vector};
 use crate::extremes::{Extreme, Output};
 use crate::readout::Line;
+use crate::row::{RUNS, Row};
 use crate::transition::{Drive, State};
 use crate::watch::Watch;
 

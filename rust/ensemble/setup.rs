@@ -17,16 +17,14 @@ use crate::modes::Modes;
 use crate::profile::Profile;
 use crate::readout::{Form, Quantity};
 use crate::run::Run;
+use crate::track::HARMLESS;
 use crate::transition::{Oscillators, Transition};
 
 /// Modes of a rigid aircraft.
 pub(super) const MODES: usize = 3;
 
-/// Share of a spacing within which a lag is a whole number of them, as in a run (`track::lag`).
-const HARMLESS: f64 = 1e-13;
-
 /// More spacings than this between two gears are a slip in the units.
-const LONGEST_LAG: f64 = 1e12;
+const LONGEST_LAG: f64 = 1e8;
 
 /// Nodes of Gauss's rule on (−1, 1), one half, with their weights: exact to double precision over a
 /// radian of the stiffest mode.
@@ -227,13 +225,8 @@ impl Setup {
             groups.partition_point(|group| group.leg < leg)..groups.partition_point(|group| group.leg <= leg)
         };
         let behind = groups.iter().map(|group| (group.whole, group.leg)).max().unwrap_or((0, 0));
-        let lag = run
-            .tracks
-            .iter()
-            .map(|track| track.lag)
-            .fold(Distance::sum(0.0, 0.0), |a, b| if a.shorter(b) == a { b } else { a });
-        let end = Distance::product((count - 1) as f64, spacing);
-        let duration = (lag.minus(Distance::sum(0.0, 0.0)) + end.nearest()) / speed;
+        let lag = run.tracks.iter().map(|track| track.lag.nearest()).fold(0.0, f64::max);
+        let duration = (lag + (count - 1) as f64 * spacing) / speed;
 
         let ends = rests.iter().skip(1).copied().chain([spacing]);
         let dt: Vec<f64> = rests.iter().zip(ends).map(|(begin, end)| (end - begin) / speed).collect();

@@ -4,7 +4,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Range, Sub};
 
 use pulp::{Simd, cast};
 
-use super::row::{RUNS, Row};
+use crate::row::{RUNS, Row};
 
 /// Which numbers of a row one register holds.
 #[derive(Clone, Copy)]

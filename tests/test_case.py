@@ -197,11 +197,11 @@ def test_every_shape_is_in_the_example() -> None:
         ("a = \n", "line 1"),
         (
             METRES + F4E + '[[track]]\nshape = "mat"\nlength = "3 ft"\nramp = -1\n' + RUN,
-            "10: track.0.: ramp = -1.0 is not between 0 and half the length 0.914",
+            "10: track.0.: ramp = -1.0 is not between 0 and 0.457",
         ),
         (
             METRES + F4E + '[[track]]\nshape = "two_foot_spall"\nramp = 0.5\n' + RUN,
-            r"9: .* half the length 24.0 .in.; the file says ramp = 0\.5$",
+            r"9: .* 12.0, half the length .in.; the file says ramp = 0\.5$",
         ),
         (
             METRES + F4E + MAT + '[footprint]\nnose = "-10 in"\n' + RUN,

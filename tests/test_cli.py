@@ -122,6 +122,7 @@ def test_one_speed_spelled_twice_is_two_runs(case: Path) -> None:
         (["--figure", "-"], "--figure -: standard output takes csv or json"),
         (["--figure", "a.xyz"], "figure a.xyz: "),
         (["--csv", "./case.toml"], "csv ./case.toml: this is the case file"),
+        (["--csv", "a.b", "--json", "./a.b"], "json ./a.b: this is where csv goes"),
         (["--csv", "none/a.csv"], "error: none/a.csv: No such file or directory"),
         (["--parquet", "none/a.parquet"], "'none'"),
     ],
@@ -138,6 +139,17 @@ def test_refused_files(
     assert main(["run", "case.toml", *options]) == 2
     assert said in capsys.readouterr().err
     assert case.read_bytes() == before
+
+
+def test_a_survey_is_not_written_over(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    survey, table = case.with_name("survey.csv"), "0,0\n1,0.1\n2,0\n"
+    survey.write_text(table, encoding="utf-8")
+    text = case.read_text(encoding="utf-8")
+    case.write_text(text.replace('shape = "full_mat"', 'file = "survey.csv"\nunit = "in"'), "utf-8")
+    assert main(["run", str(case), "--csv", str(survey)]) == 2
+    assert f"csv {survey}: this is a track of the case" in capsys.readouterr().err
+    assert survey.read_text(encoding="utf-8") == table
+    assert main(["run", str(case), "--csv", str(case.with_name("other.csv"))]) == 0
 
 
 def test_bad_input_exits_with_2(case: Path, capsys: pytest.CaptureFixture[str]) -> None:

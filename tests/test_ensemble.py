@@ -332,3 +332,22 @@ def test_ctrl_c_in_a_search_without_end() -> None:
     modes = rm.single_dof(mass=1.0, omega=1e3, damping_ratio=0.0)
     with ctrl_c(after=0.3):
         rm.simulate_many(modes, runways(1, 1, 40), 5.0, 1e-5)
+
+
+def test_beyond_is_below_for_smallest_loads():
+    found = rm.simulate_many(MODES, runways(200, 1, 20), 10.0, 500.0)
+    level = np.sort(found.min_load[:, 1])[9]
+    below, above = (found.exceedance(q, level) for q in ("min_load", "max_load"))
+    assert below.value[0, 1] == pytest.approx(10 / 200, rel=1e-12)
+    assert below.low[0, 1] < 10 / 200 < below.high[0, 1]
+    assert above.value[0, 1] == 1.0
+
+
+def test_nothing_asked_and_too_much():
+    found = rm.simulate_many(MODES, runways(20, 1, 20), 10.0, 500.0)
+    for estimate in (found.quantile("max_load", []), found.exceedance("max_load", [])):
+        assert estimate.value.shape == estimate.low.shape == estimate.high.shape == (0, 3)
+    with pytest.raises(rm.InputError, match=r"probability has shape \(1, 1\)"):
+        found.quantile("max_load", [[0.5]])
+    with pytest.raises(rm.InputError, match="count = -1 must be at least 0"):
+        found.worst("nose", -1)

@@ -86,3 +86,22 @@ def test_unknown_gear_and_missing_extra(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(ImportError, match=r"runway_modal\[plot\]"):
         RESPONSE.plot()
+
+
+def test_runs_on_one_axes_are_all_in_sight() -> None:
+    from matplotlib.figure import Figure
+
+    modes, mat = rm.f4e().modes(0.01), rm.Profile.full_mat()
+    axes = Figure().subplots()
+    for speed in (20.0, 60.0, 20.0):
+        rm.simulate(modes, mat, rm.knots(speed)).plot(["left"], ax=axes)
+    low, high = axes.get_ylim()
+    curves = [line for line in axes.lines if line.get_label() == "left"]
+    assert len({line.get_color() for line in curves}) == len(curves) == 3
+    assert low < min(line.get_ydata().min() for line in curves)
+    assert high > max(line.get_ydata().max() for line in curves)
+    assert axes.get_legend_handles_labels()[1].count("static") == 1
+    # However often it is drawn, room for the legend is left once.
+    alone = Figure().subplots()
+    rm.simulate(modes, mat, rm.knots(60.0)).plot(["left"], ax=alone)
+    assert high - low < 1.5 * np.ptp(alone.get_ylim())

@@ -76,7 +76,7 @@ def test_crater_repair_without_upheaval_and_settlement_is_the_mat() -> None:
     [
         ({"slope": -1.0}, "slope = -1.0 is negative"),
         ({"length": 24.0}, "ramp = 12.0 is half the length 24.0: no mat to settle"),
-        ({"length": 20.0}, "ramp = 12.0 is not between 0 and half the length 20.0"),
+        ({"length": 20.0}, "ramp = 12.0 is not between 0 and 10.0, half the length"),
         ({"length": -1.0}, "length = -1.0 is not positive"),
         ({"settlement": np.inf}, "settlement = inf is not finite"),
     ],

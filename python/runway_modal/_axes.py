@@ -54,6 +54,8 @@ def legend_above(ax: Axes, columns: int) -> None:
     """Legend above the curves."""
     across = min(columns, 4)
     rows = -(-len(ax.get_legend_handles_labels()[1]) // across)
+    # Of all that is drawn: an earlier call has set limits for less.
+    ax.autoscale(axis="y")
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + (0.08 + 0.1 * rows) * (high - low))
     ax.legend(loc="upper right", ncols=across, frameon=False, fontsize="small")

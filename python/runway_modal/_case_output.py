@@ -25,15 +25,20 @@ STANDARD = "-"
 _STREAMS = ("csv", "json")
 
 
-def told(case: Path, wanted: Mapping[str, str]) -> TextIO:
+def told(case: Case, wanted: Mapping[str, str]) -> TextIO:
     """Check the files wanted, by kind; the stream for what is said: a table goes out alone."""
     for kind, to in wanted.items():
         if to == STANDARD and kind not in _STREAMS:
             there = " or ".join(kind for kind in _STREAMS if kind in wanted)
             raise InputError(f"--{kind} -: standard output takes {there}")
+    taken = {source.resolve(): "this is a track of the case" for source in case.sources}
+    taken[case.sources[0].resolve()] = "this is the case file"
     for kind, to in wanted.items():
-        if to != STANDARD and Path(to).resolve() == case.resolve():
-            raise InputError(f"{kind} {to}: this is the case file")
+        if to and to != STANDARD:
+            path = Path(to).resolve()
+            if path in taken:
+                raise InputError(f"{kind} {to}: {taken[path]}")
+            taken[path] = f"this is where {kind} goes"
     if list(wanted.values()).count(STANDARD) > 1:
         raise InputError("--csv - and --json -: standard output takes one of them")
     return sys.stderr if STANDARD in wanted.values() else sys.stdout

@@ -52,7 +52,8 @@ def array(argument: str, values: ArrayLike, ndim: int = 1) -> NDArray[np.float64
     """Pass real numbers as a C-ordered float64 array of `ndim` dimensions."""
     given = any_array(argument, values)
     if given.dtype.kind not in "biuf":
-        raise InputError(f"{argument} holds {given.dtype}, not real numbers")
+        what = "text" if given.dtype.kind in "US" else given.dtype
+        raise InputError(f"{argument} holds {what}, not real numbers")
     if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
         index = int(np.flatnonzero(np.ma.getmaskarray(given))[0])
         raise InputError(f"{argument}[{index}] is masked")

@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING
 from .units import ACCELERATION, FORCE
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from .ensemble import Ensemble, Estimate
+    from .ensemble import Ensemble
 
 #: Those of gears, then those of stations.
 DIMENSIONS = {
@@ -36,13 +34,3 @@ def labels(ensemble: Ensemble, quantity: str) -> tuple[str, ...]:
     """Names of the gears or stations that have a quantity."""
     of_gears = DIMENSIONS[quantity] == FORCE
     return ensemble.gear_names if of_gears else tuple(getattr(ensemble, quantity))
-
-
-def beyond(
-    ensemble: Ensemble, quantity: str, level: ArrayLike, *, confidence: float = 0.95
-) -> Estimate:
-    """Estimate the probability of a run above levels; of a smallest load, at or below them."""
-    above = ensemble.exceedance(quantity, level, confidence=confidence)
-    if quantity not in DOWNWARD:
-        return above
-    return type(above)(value=1.0 - above.value, low=1.0 - above.high, high=1.0 - above.low)

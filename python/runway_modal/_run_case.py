@@ -32,7 +32,7 @@ def run(path: Path, asked: Mapping[str, str | None], runway: int | None = None) 
     if runway is not None:
         case = case.over_random_runway(integer("--runway", runway, 0))
     wanted = {kind: str(asked[kind] or case.output.get(kind) or "") for kind in KINDS}
-    stream = told(path, wanted)
+    stream = told(case, wanted)
     runs = case.run()
     print("\n".join(_summary(case, runs)), file=stream)
     for kind, to in wanted.items():

@@ -16,7 +16,7 @@ from ._case_output import STANDARD, modes_table, opened, save_figure, stated_spe
 from ._core import InputError
 from ._input import integer
 from ._progress import progress_bar
-from ._quantities import DIMENSIONS, DOWNWARD, LABELS, beyond, labels
+from ._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
 from .case import read_case
 from .roughness import monte_carlo
 from .units import FORCE
@@ -52,7 +52,7 @@ def run(
         table = case.root.table("aircraft")
         raise table.fault("nonlinear: a Monte Carlo takes the linear model", "nonlinear")
     wanted = {kind: to or "" for kind, to in asked.items()}
-    stream = told(path, wanted)
+    stream = told(case, wanted)
     _check(wanted)
     ensembles = _compute(case, random, out, quiet=quiet)
     print("\n".join(_summary(path, case, random, ensembles)), file=stream)
@@ -228,7 +228,7 @@ def _shares(ensemble: Ensemble, random: RandomRunways) -> Iterator[str]:
         asked[quantity] = asked.get(quantity, {}) | dict(levels)
     rows: list[tuple[str, float, float, float]] = []
     for quantity, levels in asked.items():
-        found = beyond(ensemble, quantity, list(levels.values()))
+        found = ensemble.exceedance(quantity, list(levels.values()))
         side = "at or below" if quantity in DOWNWARD else "above"
         for i, text in enumerate(levels):
             for column, name in enumerate(labels(ensemble, quantity)):

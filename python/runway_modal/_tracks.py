@@ -23,4 +23,11 @@ def by_gear(names: tuple[str, ...], tracks: Profile | Mapping[str, Profile]) -> 
             raise InputError(f"tracks[{name!r}]: no such gear; there are {names}")
         if not isinstance(profile, Profile):
             raise InputError(f"tracks[{name!r}] = {profile!r} is not a Profile")
-    return [tracks.get(name, _LEVEL) for name in names]
+    # What is alike is one track: gears on one are cheaper than gears on two.
+    alike: list[Profile] = []
+    for name in names:
+        profile = tracks.get(name, _LEVEL)
+        alike.append(
+            next((other for other in alike if other is profile or other == profile), profile)
+        )
+    return alike

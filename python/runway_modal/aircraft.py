@@ -40,7 +40,8 @@ class Gear:
     stiffness : float
         Stiffness k of strut and tire in series, > 0 [force/length].
     damping : float
-        Damping c, ≥ 0 [force·time/length].
+        Damping c, ≥ 0 [force·time/length]. It gives the default damping ratios of
+        `Aircraft.modes`; in ground input and loads it counts with ``damping_input=True`` only.
 
     Raises
     ------
@@ -120,7 +121,9 @@ class Aircraft:
     """
     A rigid aircraft on any number of linear gears (Eqs. 1-5).
 
-    Any consistent unit system will do; the report's is lbf, in, s.
+    Any consistent unit system will do; the report's is lbf, in, s, and so are the defaults that
+    have units: give `gravity` in any other. Bounce is positive up, pitch nose up [rad], roll left
+    side up [rad], accelerations up; loads are positive in compression.
 
     Parameters
     ----------
@@ -145,9 +148,25 @@ class Aircraft:
 
     Examples
     --------
+    The report's aircraft, and one in N, m, s with a pilot 12 m ahead of the centre of gravity:
+
     >>> import runway_modal as rm
     >>> rm.f4e().static_load.round(1)
     array([ 8921.8, 23627.1, 23627.1])
+    >>> airliner = rm.Aircraft(
+    ...     mass=64_000.0,
+    ...     pitch_inertia=3.1e6,
+    ...     roll_inertia=1.6e6,
+    ...     gravity=9.80665,
+    ...     gears=[
+    ...         rm.Gear("nose", x=11.5, y=0.0, stiffness=0.6e6, damping=20e3),
+    ...         rm.Gear("left", x=-1.2, y=3.8, stiffness=2.4e6, damping=90e3),
+    ...         rm.Gear("right", x=-1.2, y=-3.8, stiffness=2.4e6, damping=90e3),
+    ...     ],
+    ...     stations={"pilot": (12.0, 0.0)},
+    ... )
+    >>> airliner.static_load.round(-2)
+    array([ 59300., 284200., 284200.])
     """
 
     mass: float

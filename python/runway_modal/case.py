@@ -57,6 +57,15 @@ class Case:
         """Inferred data that a run over the tracks rests on."""
         return self.aircraft_notes + self.track_notes
 
+    @property
+    def sources(self) -> tuple[Path, ...]:
+        """Files that it was read from, its own first."""
+        tracks = self.root.tables("track") if "track" in self.root.values else []
+        files = [
+            table.path.parent / table.text("file") for table in tracks if "file" in table.values
+        ]
+        return (self.root.path, *files)
+
     def random_runways(self) -> RandomRunways:
         """Random runways; a fault if the file has none."""
         if self.random is None:

@@ -11,8 +11,8 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import any_array, array, number, read_only
-from ._quantities import DIMENSIONS
+from ._input import any_array, array, integer, number, read_only
+from ._quantities import DIMENSIONS, DOWNWARD
 from .modes import Modes
 
 if TYPE_CHECKING:
@@ -276,11 +276,13 @@ class Ensemble:
         values = self._sorted(quantity)
         runs = values.shape[0]
         asked = np.atleast_1d(_shares("probability", probability))
+        if asked.ndim > 1:
+            raise InputError(f"probability has shape {asked.shape}, 1 dimension(s) expected")
         tail = (1.0 - float(_shares("confidence", confidence))) / 2.0
         bounded = np.concatenate(
             (np.full_like(values[:1], -np.inf), values, np.full_like(values[:1], np.inf))
         )
-        ranks = np.array([_ranks(runs, float(p), tail) for p in asked])
+        ranks = np.array([_ranks(runs, float(p), tail) for p in asked], int).reshape(-1, 2)
         return Estimate(
             value=read_only(np.quantile(values, asked, axis=0)),
             low=read_only(bounded[ranks[:, 0]]),
@@ -289,8 +291,9 @@ class Ensemble:
 
     def exceedance(self, quantity: str, level: ArrayLike, *, confidence: float = 0.95) -> Estimate:
         """
-        Estimate the probability that a run exceeds a level.
+        Estimate the probability that a run goes beyond a level.
 
+        Beyond is above, for smallest loads at or below: as `plot_exceedance` draws it.
         The interval is Wilson's (1927): the levels' true probabilities for which the share of
         the runs seen above would not be surprising.
 
@@ -327,11 +330,10 @@ class Ensemble:
         if np.isnan(levels).any():
             raise InputError(f"level[{int(np.flatnonzero(np.isnan(levels))[0])}] = nan")
         share = np.array(
-            [
-                [1.0 - np.searchsorted(c, one, side="right") / runs for c in values.T]
-                for one in levels
-            ]
-        )
+            [[np.searchsorted(c, one, side="right") / runs for c in values.T] for one in levels]
+        ).reshape(levels.size, values.shape[1])
+        if quantity not in DOWNWARD:
+            share = 1.0 - share
         z = _normal(confidence)
         centre = (share + z * z / (2 * runs)) / (1 + z * z / runs)
         half = z / (1 + z * z / runs) * np.sqrt(share * (1 - share) / runs + (z / (2 * runs)) ** 2)
@@ -360,21 +362,25 @@ class Ensemble:
         Raises
         ------
         InputError
-            If there is no such gear.
+            If there is no such gear, or the count is no whole number ≥ 0.
 
         Examples
         --------
+        Numbers are not rows where runs do not begin at 0:
+
         >>> import numpy as np, runway_modal as rm
         >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
-        >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
-        >>> run = ensemble.worst("left", 1)[0]
-        >>> bool(ensemble.max_load[run, 1] == ensemble.max_load[:, 1].max())
+        >>> modes, speed = rm.f4e().modes(0.01), rm.knots(60)
+        >>> ensemble = rm.simulate_many(modes, runways, 12.0, speed, first_run=700)
+        >>> worst = ensemble.worst("left", 1)[0]
+        >>> row = np.flatnonzero(ensemble.run == worst)[0]
+        >>> bool(ensemble.max_load[row, 1] == ensemble.max_load[:, 1].max())
         True
         """
         if gear not in self.gear_names:
             raise InputError(f"gear = {gear!r}: no such gear; there are {self.gear_names}")
         loads = self.max_load[self.valid, self.gear_names.index(gear)]
-        order = np.argsort(-loads, kind="stable")[: int(number("count", count))]
+        order = np.argsort(-loads, kind="stable")[: integer("count", count, 0)]
         return np.asarray(self.run[self.valid][order])
 
     def plot(

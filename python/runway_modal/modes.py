@@ -36,8 +36,9 @@ class Modes:
     damping_ratio : float or array_like, shape (m,)
         Damping ratios, ≥ 0 [-].
     shapes : array_like, shape (3, m)
-        Mode shapes {bounce, pitch, roll}, one a column, orthonormal with respect to the mass
-        matrix (Eq. 7) within 5e-3 a term: three printed digits suffice.
+        Mode shapes {bounce, pitch, roll}, positive up, nose up [rad] and left side up [rad], one
+        a column, orthonormal with respect to the mass matrix (Eq. 7) within 5e-3 a term: three
+        printed digits suffice. A shape φ of any size is brought there by φ / √(φᵀMφ).
 
     Raises
     ------

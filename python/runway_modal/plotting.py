@@ -120,18 +120,19 @@ def _draw_loads(
     """Draw loads by label, response and column, each static load once."""
     scale, unit = load_unit(units)
     drawn: list[NDArray[np.float64]] = []
-    for i, (label, response, column) in enumerate(lines):
+    there = ax.get_legend_handles_labels()[1]
+    for i, (label, response, column) in enumerate(lines, len(there) - there.count("static")):
         load = response.load[:, column]
         # Gears that move as one would hide each other.
         hidden = sum(np.array_equal(load, other) for other in drawn)
         drawn.append(load)
         ax.plot(
             getattr(response, against), load / scale, COLORS[i % len(COLORS)],
-            ls=("-", "--", ":")[hidden % 3], lw=1.4, label=label,
+            ls=("-", "--", ":")[(hidden + i // len(COLORS)) % 3], lw=1.4, label=label,
         )  # fmt: skip
     static = dict.fromkeys(float(run.static_load[column]) / scale for _, run, column in lines)
     for i, level in enumerate(static):
-        mark_static(ax, level, "0.35", "" if i else "static")
+        mark_static(ax, level, "0.35", "" if i or "static" in there else "static")
     ax.set_ylabel(f"load{unit}")
     legend_above(ax, len(lines) + 1)
 
@@ -149,7 +150,7 @@ def _draw_elevations(
         elevation = response.elevation[:, column]
         lines.setdefault(elevation.tobytes(), (elevation, []))[1].append(label)
     for i, (elevation, labels) in enumerate(lines.values()):
-        names = ", ".join(f"{label[:1].lower()}{label[1:]}" for label in labels)
+        names = ", ".join(labels)
         ax.plot(
             getattr(response, against), elevation, "k", ls=("-", "--", ":", "-.")[i % 4], lw=1.1,
             label=f"under the {names}",

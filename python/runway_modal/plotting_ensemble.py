@@ -8,7 +8,7 @@ import numpy as np
 
 from ._axes import COLORS, load_unit, new_axes, require
 from ._core import InputError
-from ._quantities import DIMENSIONS, DOWNWARD, LABELS, beyond, labels
+from ._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
 from .units import FORCE
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ def plot_exceedance(
         one = values[:, column]
         levels = one[counts - 1] if below else one[(runs - 1 - counts[counts < runs])[::-1]]
         levels = np.unique(np.concatenate((one[:1], levels)))
-        found = beyond(ensemble, quantity, levels, confidence=confidence)
+        found = ensemble.exceedance(quantity, levels, confidence=confidence)
         share, low, high = (part[:, column] for part in (found.value, found.low, found.high))
         color, width = COLORS[i % len(COLORS)], 1.1 + 0.7 * (len(shown) - 1 - i)
         at = np.append(levels, one[-1]) / scale

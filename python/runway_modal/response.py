@@ -130,7 +130,11 @@ class Response(Shown):
 
     @cached_property
     def cg(self) -> NDArray[np.float64]:
-        """Bounce, pitch and roll at the centre of gravity, shape (n, 3) [length, rad] (Eq. 19)."""
+        """
+        Bounce, pitch and roll at the centre of gravity, shape (n, 3) [length, rad] (Eq. 19).
+
+        Positive up, nose up and left side up.
+        """
         return self._read("cg")
 
     @cached_property
@@ -160,7 +164,7 @@ class Response(Shown):
 
     @cached_property
     def acceleration(self) -> dict[str, NDArray[np.float64]]:
-        """Vertical acceleration at each station, each of shape (n,) [length/time²]."""
+        """Vertical acceleration at each station, up, each of shape (n,) [length/time²]."""
         columns = self._read("acceleration")
         return {
             name: read_only(columns[:, i].copy()) for i, name in enumerate(self.aircraft.stations)

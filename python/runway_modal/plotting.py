@@ -150,7 +150,9 @@ def _draw_elevations(
         elevation = response.elevation[:, column]
         lines.setdefault(elevation.tobytes(), (elevation, []))[1].append(label)
     for i, (elevation, labels) in enumerate(lines.values()):
-        names = ", ".join(labels)
+        # A title's word goes on in small letters, a letter that is a name does not.
+        words = (each[0].lower() + each[1:] if each[1:2].islower() else each for each in labels)
+        names = ", ".join(words)
         ax.plot(
             getattr(response, against), elevation, "k", ls=("-", "--", ":", "-.")[i % 4], lw=1.1,
             label=f"under the {names}",

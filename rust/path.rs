@@ -27,6 +27,7 @@ struct Kept {
     next: u8,
 }
 
+// A bit a place.
 const _: () = assert!(SLOTS == u64::BITS as usize);
 
 impl Kept {

@@ -230,14 +230,11 @@ impl Run {
             });
         }
         // At most: a row a knot, the other side of each step, the two ends, and a few for rounding.
-        let between = self
-            .tracks
-            .iter()
-            .map(|track| self.between(track, begin, end, step))
-            .chain([between as usize + 1])
-            .min();
+        let everywhere = between as usize + 1;
+        let between = |least: usize, track: &Track| least.min(self.between(track, begin, end, step));
+        let between = self.tracks.iter().fold(everywhere, between);
         let steps = self.tracks.iter().map(|track| track.profile.steps()).sum::<usize>();
-        let most = between.unwrap_or(0) + self.most_knots() + steps + 8;
+        let most = between + self.most_knots() + steps + 8;
         Ok(Grid { begin, end, step, most })
     }
 

@@ -48,10 +48,8 @@ impl<'a> Strains<'a> {
     /// does not count.
     pub fn new(springs: &'a [Vector3<f64>], tolerance: f64) -> Self {
         let directions = orthogonal_strains(springs, Matrix3::identity());
-        let mut held: Vec<_> = directions
-            .column_iter()
-            .map(|u| (u.into_owned(), work(springs, &u.into_owned(), &u.into_owned())))
-            .collect();
+        let squared = |u: Vector3<f64>| (u, work(springs, &u, &u));
+        let mut held: Vec<_> = directions.column_iter().map(|u| squared(u.into_owned())).collect();
         let most = held.iter().map(|(_, square)| *square).fold(0.0, f64::max);
         held.retain(|(_, square)| *square > tolerance * tolerance * most);
         Self { springs, held }

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import runway_modal as rm
+from runway_modal._tracks import by_gear
 
 QUANTITIES = ("load", "cg", "cg_rate", "cg_acceleration", "gear_displacement")
 
@@ -379,3 +380,14 @@ def test_elevation_rows_are_the_profile_under_each_gear(gears: int) -> None:
     for column, gear in enumerate(modes.aircraft.gears):
         expected = profile.elevation(response.distance - (210.0 - gear.x))
         np.testing.assert_allclose(response.elevation[:, column], expected, rtol=0, atol=1e-10)
+
+
+def test_profiles_alike_are_one_track() -> None:
+    modes, surface = craft().modes(0.02), rough(3, 200, steps=False)
+    again = {gear.name: rm.Profile(surface.x, surface.z) for gear in modes.aircraft.gears}
+    other = again | {"c": rm.Profile(surface.x, surface.z + np.linspace(0, 1, surface.z.size))}
+    profiles = by_gear(modes.aircraft.gear_names, again)
+    assert all(profile is profiles[0] for profile in profiles)
+    assert by_gear(modes.aircraft.gear_names, other)[2] is other["c"]
+    one, two = (rm.simulate(modes, tracks, 405.0) for tracks in (surface, again))
+    assert one.modal.tobytes() == two.modal.tobytes()

@@ -98,3 +98,17 @@ def test_spall_under_nose_and_left_loads_left_more_than_under_all(
     # Found: 43.2 against 41.1 kip with one spall, 43.4 against 41.2 kip with two.
     assert left[0] > left[1]
     np.testing.assert_allclose(left, [asymmetric, symmetric], rtol=0, atol=50.0)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "kt", "low"), [(0.01, 20, 0.018), (0.1, 20, 14.15), (0.1, 60, 36.85)]
+)
+def test_what_leaving_out_the_dampers_costs(ratio: float, kt: float, low: float) -> None:
+    # As `simulate` tells of `damping_input`.
+    bounce = rm.single_dof(mass=145.5, omega=12.016, damping_ratio=ratio)
+    without, kept = (
+        rm.simulate(bounce, rm.Profile.full_mat(), rm.knots(kt), damping_input=kept).extremes()
+        for kept in (False, True)
+    )
+    found = 100 * (1 - without.max_load[0] / kept.max_load[0])
+    assert found == pytest.approx(low, rel=0.01)

@@ -55,9 +55,10 @@ def simulate(
     damping_input : bool
         Whether the gears' dampers take part in the ground input and the loads, the terms
         C₁u̇ of Eq. 12 and c(u̇_P - u̇) of Eqs. 2 and 16. The report drops them, and so does the
-        default. That is not safe where gears are damped strongly: on the full mat at 20 knots the
-        largest loads are then 0.02 % too low with 1 % damping, 14 % with 10 %, and more the
-        faster the aircraft. They come from `Gear.damping`, not from the damping ratios.
+        default. That is not safe where gears are damped strongly: on the full mat at 20 knots
+        the bounce model's largest load (`single_dof`) is then 0.02 % too low with 1 % damping,
+        14 % with 10 %, and at 60 knots 37 %. The terms come from `Gear.damping`, not from the
+        damping ratios.
 
     Returns
     -------

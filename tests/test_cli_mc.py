@@ -203,15 +203,15 @@ def test_tables_hold_every_run(case: Path, ensemble: rm.Ensemble, capsys) -> Non
     captured = capsys.readouterr()
     rows = list(csv.reader(captured.out.splitlines()))
     assert len(rows) == 1 + 2 * 600
-    assert rows[0][:3] == ["run", "speed [in/s]", "max_load nose [lbf]"]
+    assert rows[0][:3] == ["run", "speed [in/s]", "max_load_nose [lbf]"]
     found = np.array([row[2:5] for row in rows[1:601]], float)
     # 60 kt and 200 m have been converted by other roundings.
     np.testing.assert_allclose(found, ensemble.max_load, rtol=1e-12)
     assert "Speed 10 m/s = 393.701 in/s: 600 runs" in captured.err
     frame = pd.read_parquet(parquet)
-    np.testing.assert_array_equal(frame["max_load left"][:600], found[:, 1])
-    np.testing.assert_allclose(frame["rms_load left"][:600], ensemble.rms_load[:, 1], rtol=1e-12)
-    assert frame.attrs["units"]["rms_load left"] == "lbf"
+    np.testing.assert_array_equal(frame["max_load_left"][:600], found[:, 1])
+    np.testing.assert_allclose(frame["rms_load_left"][:600], ensemble.rms_load[:, 1], rtol=1e-12)
+    assert frame.attrs["units"]["rms_load_left"] == "lbf"
     assert main(["mc", str(case), "--runs", "50", "--figure", str(figure)]) == 0
     assert figure.read_bytes().startswith(b"\x89PNG")
     assert f"figure: {figure}" in capsys.readouterr().out

@@ -317,7 +317,7 @@ def test_worst_and_unloaded_and_table():
     assert (found.unloaded == (found.min_load <= 0)).all()
     assert found.unloaded.any()
     table = found.to_pandas()
-    np.testing.assert_array_equal(table.loc[worst[0], "max_load left"], order[0])
+    np.testing.assert_array_equal(table.loc[worst[0], "max_load_left"], order[0])
     assert table.index[0] == 7
     with pytest.raises(rm.InputError, match="no such gear"):
         found.worst("tail")

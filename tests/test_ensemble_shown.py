@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import runway_modal as rm
-from runway_modal import plotting_ensemble, tables_ensemble
+from runway_modal import plotting_ensemble, tables, tables_ensemble
 
 INCHES = rm.Units("in", "lbf")
 RUNWAY = {"length": 6000.0, "spacing": 12.0, "speed": rm.knots(60), "seed": 7, "first_run": 40}
@@ -166,14 +166,14 @@ def test_pandas_and_xarray_hold_every_quantity_with_its_unit() -> None:
         for i, gear in enumerate(("nose", "left", "right")):
             expected = getattr(ENSEMBLE, quantity)[:, i]
             np.testing.assert_array_equal(data[quantity].sel(gear=gear), expected)
-            np.testing.assert_array_equal(table[f"{quantity} {gear}"], expected)
+            np.testing.assert_array_equal(table[f"{quantity}_{gear}"], expected)
         assert data[quantity].attrs["units"] == "lbf"
-        assert table.attrs["units"][f"{quantity} nose"] == "lbf"
+        assert table.attrs["units"][f"{quantity}_nose"] == "lbf"
     for quantity in ("max_acceleration", "rms_acceleration"):
         for station in ("cg", "pilot"):
             expected = getattr(ENSEMBLE, quantity)[station]
             np.testing.assert_array_equal(data[quantity].sel(station=station), expected)
-            np.testing.assert_array_equal(table[f"{quantity} {station}"], expected)
+            np.testing.assert_array_equal(table[f"{quantity}_{station}"], expected)
         assert data[quantity].attrs["units"] == "in/s²"
     np.testing.assert_array_equal(data["static_load"], ENSEMBLE.static_load)
     np.testing.assert_array_equal(data["speed"], ENSEMBLE.speed)
@@ -184,18 +184,18 @@ def test_pandas_and_xarray_hold_every_quantity_with_its_unit() -> None:
 
 
 def test_csv_and_parquet_keep_every_digit(tmp_path) -> None:
-    text = io.StringIO()
-    tables_ensemble.write_csv([ENSEMBLE, ENSEMBLE], INCHES, text)
+    text, twice = io.StringIO(), [tables_ensemble.quantities(ENSEMBLE)] * 2
+    tables.write_csv(twice, INCHES, text)
     lines = text.getvalue().splitlines()
     assert len(lines) == 801
     head, row = (line.split(",") for line in (lines[0], lines[401]))
-    assert head[:3] == ["run", "speed [in/s]", "max_load nose [lbf]"]
-    assert head[-1] == "rms_acceleration pilot [in/s²]"
+    assert head[:3] == ["run", "speed [in/s]", "max_load_nose [lbf]"]
+    assert head[-1] == "rms_acceleration_pilot [in/s²]"
     assert (row[0], float(row[2])) == ("40", ENSEMBLE.max_load[0, 0])
-    tables_ensemble.write_parquet([ENSEMBLE, ENSEMBLE], INCHES, tmp_path / "runs.parquet")
+    tables.write_parquet(twice, INCHES, tmp_path / "runs.parquet", index="run")
     again = pd.read_parquet(tmp_path / "runs.parquet")
-    np.testing.assert_array_equal(again["max_load left"][400:], ENSEMBLE.max_load[:, 1])
-    assert again.attrs["units"]["max_load left"] == "lbf"
+    np.testing.assert_array_equal(again["max_load_left"][400:], ENSEMBLE.max_load[:, 1])
+    assert again.attrs["units"]["max_load_left"] == "lbf"
     assert again.index.tolist() == 2 * list(range(40, 440))
 
 

@@ -239,7 +239,7 @@ def test_a_range_of_one_speed() -> None:
         ([1e-200], r"speeds\[0\] = 1e-200 is out of range"),
         ([[1.0]], r"speeds has shape \(1, 1\)"),
         (["fast"], "speeds holds"),
-        (400.0, r"speeds has shape \(\)"),
+        (-400.0, r"speeds\[0\] = -400.0 is not positive"),
     ],
 )
 def test_bad_speeds(speeds: object, message: str) -> None:

@@ -1,8 +1,11 @@
 """Responses as tables hold the response's own numbers, with names and units."""
 
+import dataclasses
+import re
 import sys
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
@@ -14,6 +17,7 @@ MAT, SPEED = rm.Profile.full_mat(), rm.knots(20)
 LINEAR = rm.simulate(rm.f4e().modes(0.01), MAT, SPEED)
 NONLINEAR = nonlinear.simulate(nonlinear.f4e(), MAT, SPEED, duration=2.0)
 INCHES = rm.Units("in", "lbf")
+RANDOM = rm.simulate_many(LINEAR.modes, np.zeros((2, 1, 9)), 12.0, SPEED)
 
 both = pytest.mark.parametrize("response", [LINEAR, NONLINEAR], ids=["linear", "nonlinear"])
 
@@ -61,6 +65,52 @@ def test_parquet_keeps_numbers_and_units(tmp_path: Path) -> None:
     pd.testing.assert_frame_equal(again, table, check_exact=True)
     assert again.attrs == table.attrs
     assert again.attrs["units"]["load_nose"] == "kN"
+
+
+def test_a_sweep_shows_every_result() -> None:
+    modes = dataclasses.replace(rm.f4e(), stations={"pilot": (250.0, 10.0)}).modes(0.01)
+    sweep = rm.sweep(modes, MAT, rm.knots([60.0, 20.0]))
+    table, data = sweep.to_pandas(INCHES), sweep.to_xarray(INCHES)
+    assert table.columns[0] == "speed"
+    assert len(table.columns) == 1 + 4 * 3 + 2 * 2
+    np.testing.assert_array_equal(table["speed"], sweep.speed)
+    for name, unit in (
+        ("max_load", "lbf"), ("min_load", "lbf"), ("time_of_max", "s"), ("time_of_min", "s"),
+    ):  # fmt: skip
+        np.testing.assert_array_equal(data[name].sel(gear="left"), getattr(sweep, name)[:, 1])
+        np.testing.assert_array_equal(table[f"{name}_left"], getattr(sweep, name)[:, 1])
+        assert data[name].attrs["units"] == table.attrs["units"][f"{name}_left"] == unit
+    for name, unit in (("max_acceleration", "in/s²"), ("time_of_max_acceleration", "s")):
+        expected = getattr(sweep, name)["pilot"]
+        np.testing.assert_array_equal(data[name].sel(station="pilot"), expected)
+        np.testing.assert_array_equal(table[f"{name}_pilot"], expected)
+        assert data[name].attrs["units"] == table.attrs["units"][f"{name}_pilot"] == unit
+    assert data["static_load"].dims == ("gear",)
+    assert data["speed"].attrs["units"] == table.attrs["units"]["speed"] == "in/s"
+    assert sweep.to_pandas().attrs == sweep.to_xarray()["max_load"].attrs == {}
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda units: LINEAR.to_pandas(units),
+        lambda units: NONLINEAR.to_xarray(units),
+        lambda units: LINEAR.plot(units=units),
+        lambda units: MAT.plot(units=units),
+        lambda units: rm.sweep(LINEAR.modes, MAT, SPEED).to_pandas(units),
+        lambda units: rm.sweep(LINEAR.modes, MAT, SPEED).plot(units=units),
+        lambda units: rm.sweep(LINEAR.modes, MAT, SPEED).plot_acceleration(units=units),
+        lambda units: RANDOM.to_pandas(units),
+        lambda units: RANDOM.to_xarray(units),
+        lambda units: RANDOM.plot(units=units),
+        lambda units: RANDOM.plot_exceedance("rms_acceleration", units=units),
+    ],
+)
+@pytest.mark.parametrize("units", ["in", ("in", "lbf"), 0], ids=repr)
+def test_units_that_are_none_are_refused(use, units) -> None:
+    with pytest.raises(rm.InputError, match=re.escape(f"units = {units!r} is not a Units")):
+        use(units)
+    plt.close("all")
 
 
 @both

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .units import THOUSAND
+from .units import THOUSAND, stated
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,7 +20,7 @@ def require() -> None:
     try:
         import matplotlib as mpl  # noqa: F401
     except ImportError:
-        raise ImportError("figures need matplotlib: pip install runway_modal[plot]") from None
+        raise ImportError("figures need matplotlib: pip install 'runway_modal[plot]'") from None
 
 
 def new_axes() -> Axes:
@@ -33,11 +33,13 @@ def new_axes() -> Axes:
 
 def axis_label(quantity: str, dimension: Dimension, units: Units | None) -> str:
     """Label of an axis, with its unit if there is one."""
+    units = stated(units)
     return f"{quantity} [{units.name(dimension)}]" if units else quantity
 
 
 def load_unit(units: Units | None) -> tuple[float, str]:
     """Divisor of loads and their unit for an axis."""
+    units = stated(units)
     if units is None:
         return 1.0, ""
     if units.force in THOUSAND:

@@ -48,8 +48,8 @@ def integer(argument: str, value: Any, least: int, below: int | None = None) -> 
     return passed
 
 
-def array(argument: str, values: ArrayLike, ndim: int = 1) -> NDArray[np.float64]:
-    """Pass real numbers as a C-ordered float64 array of `ndim` dimensions."""
+def array(argument: str, values: ArrayLike, ndim: int | None = 1) -> NDArray[np.float64]:
+    """Pass real numbers as a C-ordered float64 array of `ndim` dimensions, None for any number."""
     given = any_array(argument, values)
     if given.dtype.kind not in "biuf":
         what = "text" if given.dtype.kind in "US" else given.dtype
@@ -57,9 +57,16 @@ def array(argument: str, values: ArrayLike, ndim: int = 1) -> NDArray[np.float64
     if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
         index = int(np.flatnonzero(np.ma.getmaskarray(given))[0])
         raise InputError(f"{argument}[{index}] is masked")
-    if given.ndim != ndim:
+    if ndim is not None and given.ndim != ndim:
         raise InputError(f"{argument} has shape {given.shape}, {ndim} dimension(s) expected")
-    return np.ascontiguousarray(given, dtype=np.float64)
+    return np.asarray(given, dtype=np.float64, order="C")
+
+
+def refuse(argument: str, values: NDArray[Any], wrong: NDArray[np.bool_], why: str) -> None:
+    """Raise for the first of the values that is wrong, if one is."""
+    for index in np.argwhere(wrong):
+        where = f"[{', '.join(map(str, index))}]" if values.ndim else ""
+        raise InputError(f"{argument}{where} = {values[tuple(index)].item()!r} {why}")
 
 
 def any_array(argument: str, values: ArrayLike) -> NDArray[Any]:

@@ -126,7 +126,7 @@ class Shown:
         >>> table.attrs["units"]["load_left"]
         'lbf'
         """
-        from .tables import to_pandas
+        from .tables_response import to_pandas
 
         return to_pandas(self, units)
 
@@ -158,6 +158,6 @@ class Shown:
         >>> response.to_xarray()["load"].sel(gear="left").dims
         ('time',)
         """
-        from .tables import to_xarray
+        from .tables_response import to_xarray
 
         return to_xarray(self, units)

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from . import tables
+from . import tables, tables_response
 from ._case_output import STANDARD, modes_table, opened, save_figure, stated_speed, told
 from ._input import integer
 from .case import Case, read_case
@@ -85,7 +85,7 @@ def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) ->
 
 def _write_csv(case: Case, runs: Runs, to: str) -> None:
     with opened(to) as file:
-        tables.write_csv(_by_speed(case, runs), case.units, file)
+        tables.write_csv(_tables(case, runs), case.units, file)
 
 
 def _write_json(case: Case, runs: Runs, to: str) -> None:
@@ -108,6 +108,7 @@ def _write_json(case: Case, runs: Runs, to: str) -> None:
 
 def _results(case: Case, name: str, response: Response | nonlinear.Response) -> dict[str, Any]:
     extremes = response.extremes()
+    history = tables.columns(tables_response.quantities(response))
 
     def by_gear(values: Any) -> dict[str, Any]:
         return dict(zip(response.aircraft.gear_names, values.tolist(), strict=True))
@@ -123,12 +124,12 @@ def _results(case: Case, name: str, response: Response | nonlinear.Response) -> 
         "unloaded": by_gear(response.unloaded),
         "max_acceleration": extremes.max_acceleration,
         "time_of_max_acceleration": extremes.time_of_max_acceleration,
-        "history": {key: values.tolist() for key, (values, _) in tables.columns(response).items()},
+        "history": {name: values.tolist() for name, values in history.items()},
     }
 
 
 def _write_parquet(case: Case, runs: Runs, to: str) -> None:
-    tables.write_parquet(_by_speed(case, runs), case.units, Path(to))
+    tables.write_parquet(_tables(case, runs), case.units, Path(to))
 
 
 def _write_figure(case: Case, runs: Runs, to: str) -> None:
@@ -146,8 +147,10 @@ def _write_figure(case: Case, runs: Runs, to: str) -> None:
     save_figure(figure, to)
 
 
-def _by_speed(case: Case, runs: Runs) -> Iterator[tuple[float, Response | nonlinear.Response]]:
-    return ((case.speeds[name], response) for name, response in runs.items())
+def _tables(case: Case, runs: Runs) -> Iterator[list[tables.Quantity]]:
+    return (
+        tables_response.with_speed(case.speeds[name], response) for name, response in runs.items()
+    )
 
 
 _WRITERS: dict[str, Callable[[Case, Runs, str], None]] = {

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import stored, tables_ensemble
+from . import stored, tables, tables_ensemble
 from ._axes import require
 from ._case_output import STANDARD, modes_table, opened, save_figure, stated_speed, told
 from ._core import InputError
@@ -249,11 +249,12 @@ def _shares(ensemble: Ensemble, random: RandomRunways) -> Iterator[str]:
 
 def _write_csv(case: Case, ensembles: Mapping[str, Ensemble], to: str) -> None:
     with opened(to) as file:
-        tables_ensemble.write_csv(ensembles.values(), case.units, file)
+        tables.write_csv(map(tables_ensemble.quantities, ensembles.values()), case.units, file)
 
 
 def _write_parquet(case: Case, ensembles: Mapping[str, Ensemble], to: str) -> None:
-    tables_ensemble.write_parquet(ensembles.values(), case.units, Path(to))
+    found = map(tables_ensemble.quantities, ensembles.values())
+    tables.write_parquet(found, case.units, Path(to), index="run")
 
 
 def _write_figure(case: Case, ensembles: Mapping[str, Ensemble], to: str) -> None:

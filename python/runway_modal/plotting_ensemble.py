@@ -9,7 +9,7 @@ import numpy as np
 from ._axes import COLORS, load_unit, new_axes, require
 from ._core import InputError
 from ._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
-from .units import FORCE
+from .units import FORCE, stated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -178,4 +178,5 @@ def _scale(quantity: str, units: Units | None) -> tuple[float, str]:
     if DIMENSIONS[quantity] == FORCE:
         scale, unit = load_unit(units)
         return scale, unit.strip(" []")
+    units = stated(units)
     return (1.0, "") if units is None else (units.standard_gravity, "g")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ._axes import COLORS, legend_above, load_unit, mark_static, new_axes
-from .units import SPEED
+from .units import SPEED, stated
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -68,6 +68,7 @@ def plot_accelerations(
 
 def _speed(ax: Axes, speed: NDArray[np.float64], units: Units | None) -> NDArray[np.float64]:
     """Speeds as the abscissa: in knots where units are known."""
+    units = stated(units)
     ax.set_xlabel("ground speed [kt]" if units else "ground speed")
     ax.margins(x=0.0)
     return speed / units.quantity("speed", "1 kt", SPEED) if units else speed

@@ -203,7 +203,7 @@ def _read(file: Path, common: dict[str, Any]) -> Ensemble:
     frame = pd.read_parquet(file)
 
     def named(quantity: str) -> dict[str, Any]:
-        start = f"{quantity} "
+        start = f"{quantity}_"
         names = [column for column in frame.columns if column.startswith(start)]
         return {name.removeprefix(start): read_only(frame[name].to_numpy()) for name in names}
 
@@ -225,4 +225,6 @@ def _read(file: Path, common: dict[str, Any]) -> Ensemble:
 def require() -> None:
     """Name the extra if what reads and writes Parquet files is not there."""
     if find_spec("pandas") is None or find_spec("pyarrow") is None:
-        raise ImportError("runs on disk need pandas and pyarrow: pip install runway_modal[tables]")
+        raise ImportError(
+            "runs on disk need pandas and pyarrow: pip install 'runway_modal[tables]'"
+        )

@@ -9,13 +9,15 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, number, read_only
+from ._input import any_array, array, number, read_only
 from ._tracks import by_gear
 from .modes import Modes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    import pandas as pd
+    import xarray as xr
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
@@ -182,6 +184,71 @@ class Sweep:
             raise InputError("sweep: the aircraft's gravity is 0, there is no g to draw in")
         return plot_accelerations(self, stations, ax, units)
 
+    def to_pandas(self, units: Units | None = None) -> pd.DataFrame:
+        """
+        Make a table of the sweep, one row a speed (extra ``tables``).
+
+        Parameters
+        ----------
+        units : Units, optional
+            Units of the sweep, kept in ``attrs["units"]`` by column; Parquet files keep them.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns speed, and max_load, time_of_max, min_load, time_of_min, each with _<gear>,
+            and max_acceleration and time_of_max_acceleration, each with _<station>.
+
+        Raises
+        ------
+        InputError
+            If `units` is something else.
+        ImportError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> sweep = rm.sweep(rm.f4e().modes(0.01), rm.Profile.full_mat(), [200.0, 400.0, 800.0])
+        >>> sweep.to_pandas()["max_load_left"].idxmax()
+        1
+        """
+        from .tables_sweep import to_pandas
+
+        return to_pandas(self, units)
+
+    def to_xarray(self, units: Units | None = None) -> xr.Dataset:
+        """
+        Make a data set of the sweep with named gears and stations (extra ``tables``).
+
+        Parameters
+        ----------
+        units : Units, optional
+            Units of the sweep, kept in ``attrs["units"]`` of every variable.
+
+        Returns
+        -------
+        xarray.Dataset
+            Every result over speed, gear and station.
+
+        Raises
+        ------
+        InputError
+            If `units` is something else.
+        ImportError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> sweep = rm.sweep(rm.f4e().modes(0.01), rm.Profile.full_mat(), [200.0, 400.0, 800.0])
+        >>> sweep.to_xarray()["max_load"].sel(gear="left").dims
+        ('speed',)
+        """
+        from .tables_sweep import to_xarray
+
+        return to_xarray(self, units)
+
     def __repr__(self) -> str:
         """Span and size."""
         gears = ", ".join(self.modes.aircraft.gear_names)
@@ -211,7 +278,7 @@ def sweep(
         From `Aircraft.modes`, `Modes` or `single_dof`.
     tracks : Profile or mapping of str to Profile
         One profile for every gear, or profiles by gear name; gears left out run on the level.
-    speeds : array_like, shape (s,)
+    speeds : array_like, shape (s,), or float
         Ground speeds, each constant over its run, > 0, in any order [length/time].
     damping_input : bool
         As for `simulate`.
@@ -245,7 +312,7 @@ def sweep(
     >>> import runway_modal as rm
     >>> modes, mat = rm.f4e().modes(0.01), rm.Profile.full_mat()
     >>> knots = np.arange(5.0, 100.0, 0.25)
-    >>> sweep = rm.sweep(modes, mat, knots * rm.knots(1.0))
+    >>> sweep = rm.sweep(modes, mat, rm.knots(knots))
     >>> float(knots[sweep.max_load[:, 1].argmax()])
     58.0
 
@@ -259,7 +326,7 @@ def sweep(
     360.0
     """
     course = _course(modes, tracks, damping_input)
-    speed = array("speeds", speeds).copy()
+    speed = array("speeds", np.atleast_1d(any_array("speeds", speeds))).copy()
     stations = modes.aircraft.stations
     loads, accelerations = course.sweep(speed, np.array(list(stations.values())))
     max_load, time_of_max, min_load, time_of_min = read_only(loads)

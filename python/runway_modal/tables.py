@@ -1,4 +1,4 @@
-"""Responses, linear or not, as tables (extra ``tables``, but for CSV)."""
+"""Named quantities as tables (extra ``tables``, but for CSV)."""
 
 from __future__ import annotations
 
@@ -7,122 +7,128 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .units import ACCELERATION, ANGLE, FORCE, LENGTH, SPEED, STIFFNESS, TIME, Units
+from .units import stated
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
-    from typing import TextIO
+    from typing import Any, TextIO
 
     import pandas as pd
     import xarray as xr
     from numpy.typing import NDArray
 
-    from ._results import Results
-    from .units import Dimension
+    from .units import Dimension, Units
 
-_MISSING = "tables need pandas, pyarrow and xarray: pip install runway_modal[tables]"
-
-_CG = {"bounce": LENGTH, "pitch": ANGLE, "roll": ANGLE}
-
-_OF_GEARS = {"load": FORCE, "elevation": LENGTH, "stiffness": STIFFNESS}
+_MISSING = "tables need pandas, pyarrow and xarray: pip install 'runway_modal[tables]'"
 
 
-class _Quantity(NamedTuple):
-    """A quantity over time."""
+class Quantity(NamedTuple):
+    """What a table shows under one name."""
 
     name: str
-    dimension: Dimension
-    #: One value a time, or one column for each of `labels`.
-    values: NDArray[np.float64]
+    #: None of a mere number.
+    dimension: Dimension | None
+    #: One value a row, or one column for each of `labels`.
+    values: NDArray[Any]
     #: What the columns stand for, and their names.
     axis: str = ""
     labels: tuple[str, ...] = ()
 
-
-def _quantities(response: Results) -> Iterator[_Quantity]:
-    """Everything that tables show, in the order of their columns."""
-    gears, stations = response.aircraft.gear_names, response.acceleration
-    yield _Quantity("time", TIME, response.time)
-    yield _Quantity("distance", LENGTH, response.distance)
-    for name in response._of_gears:
-        yield _Quantity(name, _OF_GEARS[name], getattr(response, name), "gear", gears)
-    for i, (name, dimension) in enumerate(_CG.items()):
-        yield _Quantity(name, dimension, response.cg[:, i])
-    values = np.column_stack(list(stations.values()))
-    yield _Quantity("acceleration", ACCELERATION, values, "station", tuple(stations))
+    def columns(self) -> Iterator[tuple[str, NDArray[Any]]]:
+        """Name each column."""
+        if not self.axis:
+            yield self.name, self.values
+        for i, label in enumerate(self.labels):
+            yield f"{self.name}_{label}", self.values[:, i]
 
 
-def columns(response: Results) -> dict[str, tuple[NDArray[np.float64], Dimension]]:
-    """Columns of a response and their dimensions, by name."""
-    found = {}
-    for name, dimension, values, axis, labels in _quantities(response):
-        if axis:
-            for i, label in enumerate(labels):
-                found[f"{name}_{label}"] = values[:, i], dimension
-        else:
-            found[name] = values, dimension
-    return found
+def at_stations(
+    name: str, dimension: Dimension, values: Mapping[str, NDArray[np.float64]]
+) -> Quantity:
+    """Take a quantity that has an array a station."""
+    return Quantity(
+        name, dimension, np.column_stack(list(values.values())), "station", tuple(values)
+    )
 
 
-def to_pandas(response: Results, units: Units | None = None) -> pd.DataFrame:
-    """Make the table that `Response.to_pandas` documents."""
+def columns(quantities: Iterable[Quantity]) -> dict[str, NDArray[Any]]:
+    """All columns by name, in order."""
+    return {name: values for quantity in quantities for name, values in quantity.columns()}
+
+
+def to_pandas(
+    quantities: Sequence[Quantity], units: Units | None, index: str | None = None
+) -> pd.DataFrame:
+    """Make a table with a column of each name, `index` apart; `attrs` keeps the units."""
     try:
         import pandas as pd
     except ImportError:
         raise ImportError(_MISSING) from None
-    found = columns(response)
-    table = pd.DataFrame({name: values for name, (values, _) in found.items()})
+    table = pd.DataFrame(columns(quantities))
+    units = stated(units)
     if units is not None:
-        table.attrs["units"] = {name: units.name(kind) for name, (_, kind) in found.items()}
-    return table
+        table.attrs["units"] = _units(quantities, units)
+    return table if index is None else table.set_index(index)
 
 
-def to_xarray(response: Results, units: Units | None = None) -> xr.Dataset:
-    """Make the data set that `Response.to_xarray` documents."""
+def to_xarray(along: Quantity, quantities: Sequence[Quantity], units: Units | None) -> xr.Dataset:
+    """Make a data set along one quantity; a quantity of one row is the same all along."""
     try:
         import xarray as xr
     except ImportError:
         raise ImportError(_MISSING) from None
+    units = stated(units)
 
-    def attributes(dimension: Dimension) -> dict[str, str]:
-        return {} if units is None else {"units": units.name(dimension)}
+    def variable(one: Quantity) -> tuple[tuple[str, ...], NDArray[Any], dict[str, str]]:
+        dims: tuple[str, ...] = (one.axis,) if one.axis else ()
+        if not one.axis or one.values.ndim == 2:
+            dims = (along.name, *dims)
+        attributes = {}
+        if units is not None and one.dimension is not None:
+            attributes["units"] = units.name(one.dimension)
+        return dims, one.values, attributes
 
-    time, *quantities = _quantities(response)
-    coordinates = {quantity.axis: list(quantity.labels) for quantity in quantities if quantity.axis}
-    variables = {
-        name: (("time", axis) if axis else "time", values, attributes(dimension))
-        for name, dimension, values, axis, _ in quantities
-    }
     return xr.Dataset(
-        {**variables, "static_load": ("gear", response.static_load, attributes(FORCE))},
-        {**coordinates, "time": ("time", time.values, attributes(TIME))},
+        {one.name: variable(one) for one in quantities},
+        {
+            **{one.axis: list(one.labels) for one in quantities if one.axis},
+            along.name: variable(along),
+        },
     )
 
 
-def write_csv(runs: Iterable[tuple[float, Results]], units: Units, file: TextIO) -> None:
-    """Write time histories one after another, each row with its speed, every digit kept."""
+def write_csv(tables: Iterable[Sequence[Quantity]], units: Units, file: TextIO) -> None:
+    """Write tables with the same columns one after another, every digit kept."""
     writer = csv.writer(file, lineterminator="\n")
-    for i, (speed, response) in enumerate(runs):
-        found = columns(response)
+    for i, quantities in enumerate(tables):
+        found = columns(quantities)
         if i == 0:
-            heads = (f"{name} [{units.name(kind)}]" for name, (_, kind) in found.items())
-            writer.writerow([f"speed [{units.name(SPEED)}]", *heads])
-        rows = zip(*(values.tolist() for values, _ in found.values()), strict=True)
-        writer.writerows([speed, *row] for row in rows)
+            named = _units(quantities, units)
+            writer.writerow(f"{name} [{named[name]}]" if name in named else name for name in found)
+        writer.writerows(zip(*(values.tolist() for values in found.values()), strict=True))
 
 
-def write_parquet(runs: Iterable[tuple[float, Results]], units: Units, path: Path) -> None:
+def write_parquet(
+    tables: Iterable[Sequence[Quantity]], units: Units, path: Path, index: str | None = None
+) -> None:
     """Write the same as Parquet; the units go with it as `to_pandas` keeps them."""
-    try:
-        import pandas as pd
-    except ImportError:
-        raise ImportError(_MISSING) from None
-    frames = [to_pandas(response, units).assign(speed=speed) for speed, response in runs]
-    table = pd.concat(frames, ignore_index=True)
-    table.insert(0, "speed", table.pop("speed"))
-    table.attrs["units"] = {"speed": units.name(SPEED), **frames[0].attrs["units"]}
+    frames = [to_pandas(quantities, units, index) for quantities in tables]
+    import pandas as pd
+
+    table = pd.concat(frames, ignore_index=index is None)
+    table.attrs = frames[0].attrs
     try:
         table.to_parquet(path)
     except ImportError:  # pandas does without pyarrow until now
         raise ImportError(_MISSING) from None
+
+
+def _units(quantities: Iterable[Quantity], units: Units) -> dict[str, str]:
+    """Name the unit of each column that has one."""
+    return {
+        name: units.name(one.dimension)
+        for one in quantities
+        if one.dimension is not None
+        for name, _ in one.columns()
+    }

@@ -7,13 +7,16 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
+
+import numpy as np
 
 from ._core import InputError
-from ._input import finite
+from ._input import any_array, array, finite, refuse
 
 if TYPE_CHECKING:
-    import numpy as np
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 #: Units of length in tenths of a millimetre, whole for all: an inch is 25.4 mm exactly, the foot
@@ -47,35 +50,53 @@ def convert_length(values: NDArray[np.float64], unit: str, to: str) -> NDArray[n
     return values * (_LENGTHS[unit] // common) / (_LENGTHS[to] // common)
 
 
-def knots(v: float, length: Literal["in", "ft", "m", "cm", "mm", "km"] = "in") -> float:
+_Length: TypeAlias = Literal["in", "ft", "m", "cm", "mm", "km"]
+
+
+@overload
+def knots(v: float, length: _Length = ...) -> float: ...
+@overload
+def knots(v: Sequence[float] | NDArray[Any], length: _Length = ...) -> NDArray[np.float64]: ...
+def knots(
+    v: float | Sequence[float] | NDArray[Any], length: _Length = "in"
+) -> float | NDArray[np.float64]:
     """
-    Convert a speed from knots.
+    Convert speeds from knots.
 
     Parameters
     ----------
-    v : float
-        Speed [kt].
+    v : float or array_like
+        Speed, or speeds of any shape [kt].
     length : {"in", "ft", "m", "cm", "mm", "km"}
         Length unit of the result.
 
     Returns
     -------
-    float
-        Speed [length unit per second].
+    float or ndarray
+        Speed, or speeds of the same shape [length unit per second].
 
     Raises
     ------
     InputError
-        If `v` is not a finite number or `length` is not one of the units.
+        If a speed is not a finite number or `length` is not one of the units.
 
     Examples
     --------
     >>> import runway_modal as rm
     >>> round(rm.knots(20), 4)
     405.0744
+    >>> rm.knots([20, 40], "m").round(3)
+    array([10.289, 20.578])
     """
     metres = _LENGTHS[length_unit("length", length)] / _LENGTHS["m"]
-    return finite("v in the new unit", finite("v", v) * _METRES_PER_SECOND / metres)
+    if any_array("v", v).ndim == 0:
+        return finite("v in the new unit", finite("v", v) * _METRES_PER_SECOND / metres)
+    given = array("v", v, ndim=None)
+    refuse("v", given, ~np.isfinite(given), "is not finite")
+    with np.errstate(over="ignore"):
+        converted = given * _METRES_PER_SECOND / metres
+    refuse("v", given, ~np.isfinite(converted), f"is too large in {length}/s")
+    return converted
 
 
 #: Exponents of length, force and time.
@@ -351,6 +372,13 @@ class Units:
     def _size(self, dimension: Dimension) -> Fraction:
         length, force, _ = dimension
         return _UNITS[self.length][0] ** length * _FORCES[self.force] ** force
+
+
+def stated(units: Units | None) -> Units | None:
+    """Pass the units that a caller states for results, or none."""
+    if units is not None and not isinstance(units, Units):
+        raise InputError(f"units = {units!r} is not a Units, such as Units('in', 'lbf')")
+    return units
 
 
 #: The report's units: those of presets and of the defaults of built-in shapes.

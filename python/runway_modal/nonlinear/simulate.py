@@ -141,7 +141,7 @@ class _Integration:
             from scipy.optimize import brentq
         except ImportError:
             raise ImportError(
-                "nonlinear.simulate needs scipy: pip install runway_modal[taxi]"
+                "nonlinear.simulate needs scipy: pip install 'runway_modal[taxi]'"
             ) from None
         # The stepper itself and not `solve_ivp`, whose events are looked for at the ends of steps
         # only: a short lift-off within one would go unseen.

@@ -1,0 +1,61 @@
+"""What tables show of responses, linear or not."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import tables
+from .tables import Quantity, at_stations
+from .units import ACCELERATION, ANGLE, FORCE, LENGTH, SPEED, STIFFNESS, TIME
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from ._results import Results
+    from .units import Units
+
+_CG = {"bounce": LENGTH, "pitch": ANGLE, "roll": ANGLE}
+
+_OF_GEARS = {"load": FORCE, "elevation": LENGTH, "stiffness": STIFFNESS}
+
+
+def quantities(response: Results) -> list[Quantity]:
+    """Everything, in the order of the columns; time is the first."""
+    gears = response.aircraft.gear_names
+    return [
+        Quantity("time", TIME, response.time),
+        Quantity("distance", LENGTH, response.distance),
+        *(
+            Quantity(name, _OF_GEARS[name], getattr(response, name), "gear", gears)
+            for name in response._of_gears
+        ),
+        *(
+            Quantity(name, dimension, response.cg[:, i])
+            for i, (name, dimension) in enumerate(_CG.items())
+        ),
+        at_stations("acceleration", ACCELERATION, response.acceleration),
+    ]
+
+
+def with_speed(speed: float, response: Results) -> list[Quantity]:
+    """Begin each row with the speed, to tell several runs apart."""
+    return [
+        Quantity("speed", SPEED, np.full(response.time.shape, speed)),
+        *quantities(response),
+    ]
+
+
+def to_pandas(response: Results, units: Units | None) -> pd.DataFrame:
+    """Make the table that `Response.to_pandas` documents."""
+    return tables.to_pandas(quantities(response), units)
+
+
+def to_xarray(response: Results, units: Units | None) -> xr.Dataset:
+    """Make the data set that `Response.to_xarray` documents."""
+    time, *others = quantities(response)
+    gears = response.aircraft.gear_names
+    static = Quantity("static_load", FORCE, response.static_load, "gear", gears)
+    return tables.to_xarray(time, [*others, static], units)

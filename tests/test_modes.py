@@ -1,5 +1,6 @@
 """Modes and aircraft against printed tables, 40-digit arithmetic and each other."""
 
+import copy
 import pickle
 from collections.abc import Sequence
 
@@ -436,11 +437,11 @@ def test_a_very_soft_redundant_gear_carries_its_share() -> None:
     ],
 )
 def test_pickling_keeps_equality(thing: object) -> None:
-    copy = pickle.loads(pickle.dumps(thing))
-    assert type(copy) is type(thing)
-    assert copy == thing
-    assert hash(copy) == hash(thing)
-    assert repr(copy) == repr(thing)
+    again = pickle.loads(pickle.dumps(thing))
+    assert type(again) is type(thing)
+    assert again == thing
+    assert hash(again) == hash(thing)
+    assert repr(again) == repr(thing)
 
 
 @pytest.mark.parametrize(
@@ -454,10 +455,36 @@ def test_pickling_keeps_equality(thing: object) -> None:
     ],
 )
 def test_pickled_modes_respond_to_the_last_bit(modes: rm.Modes) -> None:
-    copy = pickle.loads(pickle.dumps(modes))
-    assert copy.aircraft == modes.aircraft
-    runs = [rm.simulate(m, rm.Profile.full_mat(), 400.0).load for m in (modes, copy)]
+    again = pickle.loads(pickle.dumps(modes))
+    assert again == modes
+    assert hash(again) == hash(modes)
+    runs = [rm.simulate(m, rm.Profile.full_mat(), 400.0).load for m in (modes, again)]
     np.testing.assert_array_equal(*runs)
+
+
+def test_modes_are_equal_by_value() -> None:
+    modes = rm.f4e().modes(0.01)
+    assert modes == rm.f4e().modes([0.01, 0.01, 0.01])
+    others = [rm.f4e().modes(0.02), rm.f4e("equivalent").modes(0.01), modes.omega]
+    shapes = modes.shapes * [1.0, -1.0, 1.0]
+    others.append(rm.Modes(rm.f4e(), modes.omega, modes.damping_ratio, shapes))
+    assert not any(modes is other or modes.__eq__(other) is True for other in others)
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda r: pickle.loads(pickle.dumps(r))])
+@pytest.mark.parametrize("options", [{}, {"duration": 1.5}, {"times": [0.5, 0.5, 3.0]}], ids=str)
+def test_a_copied_response_is_the_same_to_the_last_bit(options, copied) -> None:
+    tracks = {"left": rm.Profile.full_mat(), "nose": rm.Profile.double_spall()}
+    modes = aircraft([(*gear, 10.0) for gear in WIDE_BODY]).modes()
+    tracks = dict(zip(modes.aircraft.gear_names, tracks.values(), strict=False))
+    response = rm.simulate(modes, tracks, 400.0, damping_input=True, **options)
+    tracks.clear()
+    for one in (response, response.at([0.25, 1.0])):
+        again = copied(one)
+        assert again.modes == modes
+        for name in ("time", "modal", "modal_rate", "load", "elevation", "cg_acceleration"):
+            np.testing.assert_array_equal(getattr(again, name), getattr(one, name), err_msg=name)
+        np.testing.assert_array_equal(again.extremes().max_load, one.extremes().max_load)
 
 
 def test_pickled_modes_do_not_follow_the_callers_arrays() -> None:
@@ -468,9 +495,9 @@ def test_pickled_modes_do_not_follow_the_callers_arrays() -> None:
     for array in (omega, ratio, shapes, given):
         array[...] = 7.0
     for modes in (measured, natural):
-        copy = pickle.loads(pickle.dumps(modes))
+        again = pickle.loads(pickle.dumps(modes))
         for name in ("omega", "damping_ratio", "shapes"):
-            np.testing.assert_array_equal(getattr(copy, name), getattr(modes, name))
+            np.testing.assert_array_equal(getattr(again, name), getattr(modes, name))
 
 
 def test_results_are_read_only() -> None:
@@ -557,3 +584,14 @@ def test_knots() -> None:
     assert rm.knots(1, "m") == 1852 / 3600
     assert rm.knots(3600, "m") == pytest.approx(1852.0, rel=2 * EPS)
     assert rm.knots(20, "ft") == pytest.approx(rm.knots(20) / 12, rel=4 * EPS)
+    many = rm.knots([[1, 20], [0.1, 60]], "m")
+    assert many.tolist() == [[rm.knots(v, "m") for v in row] for row in ([1, 20], [0.1, 60])]
+    assert isinstance(rm.knots(np.float32(20)), float)
+    for bad, said in (
+        ([1.0, np.nan], r"v\[1\] = nan is not finite"),
+        ([[1e308]], r"v\[0, 0\] = 1e\+308 is too large in mm/s"),
+        ([1.0, [2.0]], "v is not a rectangular array"),
+        (["fast"], "v holds text"),
+    ):
+        with pytest.raises(rm.InputError, match=said):
+            rm.knots(bad, "mm")

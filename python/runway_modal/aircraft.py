@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, number, read_only
+from ._input import array, number, read_only, refuse
 from .modes import Modes
 
 if TYPE_CHECKING:
@@ -477,7 +477,5 @@ def equivalent_stiffness(k: ArrayLike) -> float:
     k = array("k", k)
     if k.size == 0:
         raise InputError("k has 0 entries, at least 1 needed")
-    bad = np.flatnonzero(~((k > 0) & np.isfinite(k)))
-    if bad.size:
-        raise InputError(f"k[{bad[0]}] = {float(k[bad[0]])!r} is not positive and finite")
+    refuse("k", k, ~((k > 0) & np.isfinite(k)), "is not positive and finite")
     return float(np.mean(1.0 / np.sqrt(k)) ** -2)

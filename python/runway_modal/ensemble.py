@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import any_array, array, integer, number, read_only
+from ._input import any_array, array, integer, number, read_only, refuse
 from ._quantities import DIMENSIONS, DOWNWARD
 from .modes import Modes
 
@@ -326,9 +326,8 @@ class Ensemble:
         """
         values = self._sorted(quantity)
         runs = values.shape[0]
-        levels = np.atleast_1d(array("level", np.atleast_1d(any_array("level", level))))
-        if np.isnan(levels).any():
-            raise InputError(f"level[{int(np.flatnonzero(np.isnan(levels))[0])}] = nan")
+        levels = array("level", np.atleast_1d(any_array("level", level)))
+        refuse("level", levels, np.isnan(levels), "is not a number")
         share = np.array(
             [[np.searchsorted(c, one, side="right") / runs for c in values.T] for one in levels]
         ).reshape(levels.size, values.shape[1])
@@ -497,7 +496,7 @@ class Ensemble:
         Returns
         -------
         pandas.DataFrame
-            Indexed by run number; columns such as ``max_load nose``.
+            Indexed by run number; columns such as ``max_load_nose``.
 
         Raises
         ------
@@ -734,11 +733,8 @@ def masks(on_error: str) -> bool:
 
 def _shares(argument: str, values: ArrayLike) -> NDArray[np.float64]:
     """Pass numbers strictly between 0 and 1."""
-    given = np.asarray(any_array(argument, values), dtype=np.float64)
-    for index, value in np.ndenumerate(given):
-        if not 0.0 < value < 1.0:
-            where = f"[{index[0]}]" if index else ""
-            raise InputError(f"{argument}{where} = {float(value)!r} is not between 0 and 1")
+    given = array(argument, values, ndim=None)
+    refuse(argument, given, ~((given > 0.0) & (given < 1.0)), "is not between 0 and 1")
     return given
 
 

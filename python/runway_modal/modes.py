@@ -148,6 +148,19 @@ class Modes:
         """
         return read_only(self._core.damping_coupling())
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same modes of equal aircraft, to the last bit."""
+        if not isinstance(other, Modes):
+            return NotImplemented
+        names = ("omega", "damping_ratio", "shapes")
+        return self.aircraft == other.aircraft and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in names
+        )
+
+    def __hash__(self) -> int:
+        """Hash of the aircraft and the frequencies."""
+        return hash((self.aircraft, tuple(self.omega.tolist())))
+
     def __reduce__(self) -> tuple[Callable[..., Modes], tuple[Any, ...]]:
         """Pickle by what the modes were made of."""
         return self._rebuild

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, finite, number, read_only
+from ._input import array, finite, number, read_only, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -81,18 +81,18 @@ class Profile:
 
         Parameters
         ----------
-        stations : array_like, shape (k,)
-            Where to look [length].
+        stations : array_like
+            Where to look, of any shape [length].
 
         Returns
         -------
-        ndarray, shape (k,)
-            Elevations [length].
+        ndarray
+            Elevations, of the same shape [length].
 
         Raises
         ------
         InputError
-            If `stations` is not a one-dimensional array of numbers or one is NaN.
+            If `stations` is not an array of numbers or one is NaN.
 
         Examples
         --------
@@ -100,11 +100,9 @@ class Profile:
         >>> rm.Profile.full_mat().elevation([6.0, 100.0])
         array([0.75, 1.5 ])
         """
-        where = array("stations", stations)
-        bad = np.flatnonzero(np.isnan(where))
-        if bad.size:
-            raise InputError(f"stations[{bad[0]}] = nan is not a number")
-        return read_only(self._core.elevation(where))
+        where = array("stations", stations, ndim=None)
+        refuse("stations", where, np.isnan(where), "is not a number")
+        return read_only(self._core.elevation(where.reshape(-1)).reshape(where.shape))
 
     @classmethod
     def mat(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +12,8 @@ from ._input import any_array, array, read_only
 from ._results import Shown
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike, NDArray
 
     from . import _core
@@ -72,6 +74,8 @@ class Response(Shown):
         The run.
     modes : Modes
         Its modes.
+    again : callable
+        Makes the same response again, with `times` or `duration` by name.
     times : array_like, shape (n,), optional
         When to sample [time].
     duration : float, optional
@@ -98,19 +102,23 @@ class Response(Shown):
         self,
         run: _core.Run,
         modes: Modes,
+        again: Callable[..., Response],
         *,
         times: ArrayLike | None = None,
         duration: float | None = None,
     ) -> None:
         self._run = run
+        self._again = again
         self.modes = modes
         self._extremes: Extremes | None = None
         if times is None:
             self.time, self.modal, self.modal_rate = run.sample(duration)
+            self._rebuild = partial(again, duration=duration)
         else:
             time = array("times", np.atleast_1d(any_array("times", times))).copy()
             self.modal, self.modal_rate = run.states(time)
             self.time = read_only(time)
+            self._rebuild = partial(again, times=self.time)
 
     @property
     def aircraft(self) -> Aircraft:
@@ -210,7 +218,7 @@ class Response(Shown):
         >>> response.at([0.5, 1.0]).load.shape
         (2, 3)
         """
-        return Response(self._run, self.modes, times=times)
+        return Response(self._run, self.modes, self._again, times=times)
 
     def extremes(self) -> Extremes:
         """
@@ -249,6 +257,10 @@ class Response(Shown):
             max_acceleration=dict(zip(stations, accelerations, strict=True)),
             time_of_max_acceleration=dict(zip(stations, times, strict=True)),
         )
+
+    def __reduce__(self) -> tuple[partial[Response], tuple[()]]:
+        """Pickle by what the run was made of: it is run again, to the same bits."""
+        return self._rebuild, ()
 
     def __repr__(self) -> str:
         """Span and size."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, finite, integer, number, read_only
+from ._input import array, finite, integer, number, read_only, refuse
 from .ensemble import Ensemble, describe, masks
 from .modes import Modes
 from .profile import Profile
@@ -235,12 +235,9 @@ class Roughness:
         >>> rm.Roughness.iso8608("A").psd([0.05, 0.1])
         array([6.4e-05, 1.6e-05])
         """
-        given = np.asarray(n)
-        where = array("n", given.reshape(-1))
-        bad = np.flatnonzero(np.isnan(where))
-        if bad.size:
-            raise InputError(f"n[{bad[0]}] = nan is not a number")
-        return read_only(self._core.density(where).reshape(given.shape))
+        where = array("n", n, ndim=None)
+        refuse("n", where, np.isnan(where), "is not a number")
+        return read_only(self._core.density(where.reshape(-1)).reshape(where.shape))
 
     def elevations(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -90,9 +91,12 @@ def simulate(
         raise InputError(f"modes = {modes!r} is not a Modes; see Aircraft.modes")
     if not isinstance(damping_input, (bool, np.bool_)):
         raise InputError(f"damping_input = {damping_input!r} is not True or False")
-    profiles = [profile._core for profile in by_gear(modes.aircraft.gear_names, tracks)]
-    run = _core.Run(modes._core, profiles, number("speed", speed), bool(damping_input))
+    names, speed = modes.aircraft.gear_names, number("speed", speed)
+    profiles = by_gear(names, tracks)
+    run = _core.Run(modes._core, [one._core for one in profiles], speed, bool(damping_input))
     if times is not None and duration is not None:
         raise InputError("duration ends the default times; it does not go with times")
     span = None if duration is None else number("duration", duration)
-    return Response(run, modes, times=times, duration=span)
+    by_name = dict(zip(names, profiles, strict=True))
+    again = partial(simulate, modes, by_name, speed, damping_input=bool(damping_input))
+    return Response(run, modes, again, times=times, duration=span)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from runway_modal._core import InputError
-from runway_modal._input import any_array, array, number, read_only
+from runway_modal._input import any_array, array, number, read_only, refuse
 from runway_modal._results import Shown
 from runway_modal.aircraft import equivalent_stiffness
 from runway_modal.response import Extremes
@@ -119,10 +119,8 @@ class Response(Shown):
         if not time.size:
             raise InputError("times has 0 entries, at least 1 needed")
         end = pieces[-1].end
-        for i in np.flatnonzero(~(np.isfinite(time) & (time <= end))):
-            raise InputError(
-                f"times[{i}] = {float(time[i])!r} is not a time of the run, up to {end!r}"
-            )
+        within = np.isfinite(time) & (time <= end)
+        refuse("times", time, ~within, f"is not a time of the run, up to {end!r}")
         for i in np.flatnonzero(np.diff(time) < 0.0):
             raise InputError(
                 f"times[{i + 1}] = {float(time[i + 1])!r} is less than {float(time[i])!r} before it"

@@ -110,8 +110,13 @@ impl Generator {
         let segments = (length / spacing - 1e-9).ceil().max(1.0);
         let period = segments + (MARGIN / (longest * spacing)).ceil();
         if period > MOST_SPACINGS {
-            let why = "length and longest wave of the band hold more than 2^23 spacings";
-            return Err(Error::OutOfRange { place: "spacing".into(), value: spacing, why });
+            // Whichever of the two takes most of them is told.
+            let (place, value, why) = if 2.0 * segments > period {
+                ("length", length, "with two of the band's longest waves it holds more than 2^23 spacings")
+            } else {
+                ("spacing", spacing, "the band's longest wave holds too many: with the length more than 2^23")
+            };
+            return Err(Error::OutOfRange { place: place.into(), value, why });
         }
         let (distinct, track_of) = distinct(y)?;
         let coherency = match (distinct.len(), spectrum.waviness()) {

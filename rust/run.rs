@@ -19,6 +19,9 @@ const SAMPLES_PER_PERIOD: f64 = 20.0;
 /// How long the default time points go on after the last gear has passed the last knot.
 const AFTER_LAST_KNOT: f64 = 5.0;
 
+/// What errors call the end of the span that follows from it.
+const DEFAULT_DURATION: &str = "the default duration";
+
 /// More default time points between knots than this are refused: a slip in the units, not a wish.
 const MOST_SAMPLES: f64 = 1e8;
 
@@ -198,7 +201,7 @@ impl Run {
     /// A span too long for a phase to have digits.
     pub fn span(&self) -> Result<(f64, f64)> {
         let end = self.last_time().max(0.0) + AFTER_LAST_KNOT;
-        self.check_span("speed", end)?;
+        self.check_span(DEFAULT_DURATION, end)?;
         Ok((self.first_time().min(0.0), end))
     }
 
@@ -217,7 +220,7 @@ impl Run {
         let begin = self.first_time().min(0.0);
         let (name, end) = match duration {
             Some(end) => ("duration", positive("duration", end)?),
-            None => ("the default duration", self.last_time().max(0.0) + AFTER_LAST_KNOT),
+            None => (DEFAULT_DURATION, self.last_time().max(0.0) + AFTER_LAST_KNOT),
         };
         self.check_span(name, end)?;
         let step = std::f64::consts::TAU / (self.fastest * SAMPLES_PER_PERIOD);

@@ -205,7 +205,7 @@ def test_every_shape_is_in_the_example() -> None:
         ),
         (
             METRES + F4E + MAT + '[footprint]\nnose = "-10 in"\n' + RUN,
-            "10: footprint: length = -0.254 is not positive; the file says nose = '-10 in'",
+            "10: footprint: nose = -0.254 is not positive; the file says nose = '-10 in'",
         ),
         (INCHES + F4E + MAT + '[footprint]\nnoze = 1\n' + RUN, "10: footprint: unknown key"),
         (INCHES + F4E + MAT + RUN + '[output]\ncsv = "-"\n', "12: output: csv = '-': standard"),

@@ -254,6 +254,9 @@ def test_more_runs_are_added_and_another_case_is_refused(
     assert main(["mc", str(case), "--out", str(out)]) == 0
     assert "600 runs, 0 to 599" in capsys.readouterr().out
     np.testing.assert_allclose(stored.read(out / "60 kt").max_load, ensemble.max_load, rtol=1e-12)
+    # What is kept already is more than what is asked for.
+    assert main(["mc", str(case), "--out", str(out), "--runs", "70"]) == 0
+    assert "70 runs, 0 to 69" in capsys.readouterr().out
     case.write_text(CASE.replace("seed = 1980", "seed = 1981"), "utf-8")
     assert main(["mc", str(case), "--out", str(out)]) == 2
     assert "seed = 1980 there, 1981 here" in capsys.readouterr().err

@@ -105,3 +105,24 @@ def test_runs_on_one_axes_are_all_in_sight() -> None:
     alone = Figure().subplots()
     rm.simulate(modes, mat, rm.knots(60.0)).plot(["left"], ax=alone)
     assert high - low < 1.5 * np.ptp(alone.get_ylim())
+
+
+def test_the_legend_of_many_gears_stays_inside() -> None:
+    gears = [
+        rm.Gear(f"{side} {place}", x, y, 8000.0, 50.0)
+        for side, y in (("left wing", 100.0), ("right wing", -100.0), ("body", 0.0))
+        for place, x in (("forward", 60.0), ("centre", -5.0), ("aft", -60.0))
+    ]
+    aircraft = rm.Aircraft(mass=1e3, pitch_inertia=2e7, roll_inertia=2e7, gears=gears)
+    modes, mat = aircraft.modes(), rm.Profile.full_mat()
+    for shown in (rm.simulate(modes, mat, 400.0), rm.sweep(modes, mat, [300.0, 400.0])):
+        figure = Figure(layout="constrained")
+        axes = shown.plot(ax=figure.subplots())
+        figure.canvas.draw()
+        legend, box = axes.get_legend().get_window_extent(), axes.get_window_extent()
+        assert box.x0 <= legend.x0
+        assert legend.x1 <= box.x1
+        assert box.y0 <= legend.y0
+        named = [line for line in axes.lines if line.get_label() in aircraft.gear_names]
+        assert len({(line.get_color(), line.get_linestyle()) for line in named}) == 9
+        assert axes.get_legend_handles_labels()[1][-1] == "static"

@@ -531,7 +531,12 @@ def test_bad_unit_and_frequency() -> None:
         ({"length": np.inf}, "length = inf is not finite"),
         ({"spacing": -0.5}, "spacing = -0.5 is not positive"),
         ({"spacing": 0.63}, "spacing = 0.63 is out of range: the band's shortest wave"),
-        ({"spacing": 1e-6}, "2^23 spacings"),
+        ({"spacing": 1e-6}, "length = 400.0 is out of range: with two of the band's longest"),
+        ({"length": 1e12}, "length = 1000000000000.0 is out of range: with two of"),
+        (
+            {"spacing": 1e-6, "length": 1.0},
+            "spacing = 1e-6 is out of range: the band's longest wave",
+        ),
         ({"runs": 0}, "runs = 0 must be at least 1"),
         ({"runs": 2.0}, "runs = 2.0 is not a whole number"),
         ({"seed": -1}, "seed = -1 must be at least 0"),

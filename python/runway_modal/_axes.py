@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 #: Distinct with any colour vision (Okabe and Ito), blue and vermilion first.
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 
+DASHES = ("-", "--", ":")
+
 
 def require() -> None:
     """Name the extra if matplotlib is not there."""
@@ -47,15 +49,28 @@ def load_unit(units: Units | None) -> tuple[float, str]:
     return 1.0, f" [{units.force}]"
 
 
-def mark_static(ax: Axes, load: float, color: str, label: str) -> None:
+def line_style(i: int) -> tuple[str, str]:
+    """Colour and dashes of the i-th line: no two alike among eighteen."""
+    return COLORS[i % len(COLORS)], DASHES[i // len(COLORS) % len(DASHES)]
+
+
+def nested_width(i: int, count: int) -> float:
+    """Width of the i-th line, thin over wide: gears that do the same would hide each other."""
+    return 1.1 + min(0.7, 2.8 / count) * (count - 1 - i)
+
+
+def mark_static(ax: Axes, load: float, color: str, label: str = "") -> None:
     """Mark a static load by a dashed line."""
     ax.axhline(load, color=color, lw=0.9, ls=(0, (6, 3)), label=label)
 
 
-def legend_above(ax: Axes, columns: int) -> None:
-    """Legend above the curves."""
-    across = min(columns, 4)
-    rows = -(-len(ax.get_legend_handles_labels()[1]) // across)
+def legend_above(ax: Axes) -> None:
+    """Legend above the curves, at most four abreast and as many as fit."""
+    labels = ax.get_legend_handles_labels()[1]
+    # In letters of this size, fourteen an inch; a sample of the line takes six.
+    room = 14.0 * ax.get_window_extent().width / ax.figure.dpi
+    across = max(1, min(4, len(labels), int(room / (6 + max(map(len, labels))))))
+    rows = -(-len(labels) // across)
     # Of all that is drawn: an earlier call has set limits for less.
     ax.autoscale(axis="y")
     low, high = ax.get_ylim()

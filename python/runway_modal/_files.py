@@ -93,7 +93,7 @@ def unit_of(path: FilePath, line: int, what: str, in_file: str, stated: str | No
         return unit
     if stated is None:
         said = f"unknown unit {in_file!r}" if in_file else "no unit"
-        raise fault(path, line, f"{said} for {what}: state it with the argument unit")
+        raise fault(path, line, f"{said} for {what}: state it as unit")
     return stated
 
 
@@ -140,23 +140,28 @@ def is_number(text: str, decimal: str = ".") -> bool:
     return "_" not in text
 
 
-def profiles(
-    path: FilePath,
-    lines: Sequence[int],
-    stations: NDArray[np.float64],
-    elevations: Mapping[str, NDArray[np.float64]],
-) -> dict[str, Profile]:
-    """Profiles that share stations, each breakpoint from a line of the file."""
+def check_rising(path: FilePath, lines: Sequence[int], stations: NDArray[np.float64]) -> None:
+    """Refuse stations that decrease, in the numbers of the file."""
     falling = np.flatnonzero(np.diff(stations) < 0)
     if falling.size:
         i = int(falling[0])
         step = f"station {stations[i + 1]} comes after {stations[i]}"
         raise fault(path, lines[i + 1], f"{step}: stations may not decrease")
+
+
+def profiles(
+    path: FilePath,
+    lines: Sequence[int],
+    stations: NDArray[np.float64],
+    elevations: Mapping[str, NDArray[np.float64]],
+    unit: str,
+) -> dict[str, Profile]:
+    """Profiles that share stations, in one unit, each breakpoint from a line of the file."""
     try:
         return {name: Profile(stations, z) for name, z in elevations.items()}
     except InputError as error:
         at = re.match(r"[xz]\[(\d+)\]", str(error))
-        raise fault(path, lines[int(at[1]) if at else 0], str(error)) from None
+        raise fault(path, lines[int(at[1]) if at else 0], f"{error} [{unit}]") from None
 
 
 def in_unit(values: NDArray[np.float64], unit: str, to: str) -> NDArray[np.float64]:

@@ -107,7 +107,7 @@ def _compute(
                     stored.monte_carlo(
                         folder, case.modes, random.roughness, **options, progress=progress
                     )
-                    found[name] = stored.read(folder)
+                    found[name] = stored.read(folder, runs=random.runs)
     except KeyboardInterrupt:
         kept = (
             "nothing is kept; --out DIR keeps finished runs"

@@ -68,8 +68,11 @@ class Table:
             raise
         except InputError as error:
             said = str(error)
-            # The library's messages begin with the name of the argument: the key's name.
+            # The library's messages begin with the name of the argument: the key's, if none is
+            # given.
             named = re.match(r"\w+", said)
+            if named and key:
+                said = key + said[named.end() :]
             key = key or (named[0] if named else "")
             raise self.fault(said + self._as_written(key, said), key) from None
 

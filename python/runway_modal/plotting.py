@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ._axes import COLORS, axis_label, legend_above, load_unit, mark_static, new_axes, require
+from ._axes import (
+    DASHES,
+    axis_label,
+    legend_above,
+    line_style,
+    load_unit,
+    mark_static,
+    new_axes,
+    require,
+)
 from ._core import InputError
 from .units import LENGTH, TIME
 
@@ -126,15 +135,20 @@ def _draw_loads(
         # Gears that move as one would hide each other.
         hidden = sum(np.array_equal(load, other) for other in drawn)
         drawn.append(load)
+        color, dashes = line_style(i)
+        turn = DASHES.index(dashes) + hidden
+        # Of the dashes from there on those that no line of this colour has, if there are any.
+        taken = [line.get_linestyle() for line in ax.lines if line.get_color() == color]
+        turns = [DASHES[(turn + k) % len(DASHES)] for k in range(len(DASHES))]
+        dashes = next((one for one in turns if one not in taken), turns[0])
         ax.plot(
-            getattr(response, against), load / scale, COLORS[i % len(COLORS)],
-            ls=("-", "--", ":")[(hidden + i // len(COLORS)) % 3], lw=1.4, label=label,
-        )  # fmt: skip
+            getattr(response, against), load / scale, color=color, ls=dashes, lw=1.4, label=label
+        )
     static = dict.fromkeys(float(run.static_load[column]) / scale for _, run, column in lines)
     for i, level in enumerate(static):
         mark_static(ax, level, "0.35", "" if i or "static" in there else "static")
     ax.set_ylabel(f"load{unit}")
-    legend_above(ax, len(lines) + 1)
+    legend_above(ax)
 
 
 def _draw_elevations(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._axes import COLORS, load_unit, new_axes, require
+from ._axes import line_style, load_unit, nested_width, new_axes, require
 from ._core import InputError
 from ._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
 from .units import FORCE, stated
@@ -91,12 +91,13 @@ def plot_histogram(
     ax = ax or new_axes()
     scale, unit = _scale(quantity, units)
     for i, (name, column) in enumerate(shown):
-        color, drawn = COLORS[i % len(COLORS)], values[:, column] / scale
+        (color, dashes), drawn = line_style(i), values[:, column] / scale
         bins = min(_BINS, len(np.histogram_bin_edges(drawn, "auto")) - 1)
         ax.hist(drawn, bins, density=True, histtype="stepfilled", fc=color, alpha=0.12)
-        # Thin over wide: gears that do the same would hide each other.
-        width = 1.1 + 0.7 * (len(shown) - 1 - i)
-        ax.hist(drawn, bins, density=True, histtype="step", ec=color, lw=width, label=name)
+        ax.hist(
+            drawn, bins, density=True, histtype="step", ec=color, ls=dashes,
+            lw=nested_width(i, len(shown)), label=name,
+        )  # fmt: skip
     if quantity in ("max_load", "min_load"):
         _mark_static(ax, ensemble, shown, scale)
     if quantity == "min_load":
@@ -120,7 +121,7 @@ def _mark_static(
         gears.setdefault(float(static[column]), []).append(i)
     for load, which in gears.items():
         label = f"{', '.join(shown[i][0] for i in which)}, static"
-        color = COLORS[which[0] % len(COLORS)]
+        color, _ = line_style(which[0])
         ax.axvline(load / scale, color=color, lw=1.1, ls=(0, (6, 3)), label=label)
 
 
@@ -146,10 +147,10 @@ def plot_exceedance(
         levels = np.unique(np.concatenate((one[:1], levels)))
         found = ensemble.exceedance(quantity, levels, confidence=confidence)
         share, low, high = (part[:, column] for part in (found.value, found.low, found.high))
-        color, width = COLORS[i % len(COLORS)], 1.1 + 0.7 * (len(shown) - 1 - i)
+        (color, dashes), width = line_style(i), nested_width(i, len(shown))
         at = np.append(levels, one[-1]) / scale
         share, low, high = (np.append(part, part[-1]) for part in (share, low, high))
-        ax.plot(at, share, color, lw=width, drawstyle="steps-post", label=name)
+        ax.plot(at, share, color, ls=dashes, lw=width, drawstyle="steps-post", label=name)
         ax.fill_between(at, low, high, step="post", color=color, alpha=0.15, lw=0)
     ax.set_yscale("log")
     ax.set_ylim(0.5 / runs, 1.5)

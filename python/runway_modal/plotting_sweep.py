@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._axes import COLORS, legend_above, load_unit, mark_static, new_axes
+from ._axes import legend_above, line_style, load_unit, mark_static, nested_width, new_axes
 from .units import SPEED, stated
 
 if TYPE_CHECKING:
@@ -35,17 +35,19 @@ def plot_loads(
     shown = names if gears is None else gears
     for i, gear in enumerate(shown):
         column = names.index(gear)
-        color = COLORS[i % len(COLORS)]
-        # Thin over wide: gears that do the same would hide each other.
-        width = 1.1 + 0.7 * (len(shown) - 1 - i)
+        color, dashes = line_style(i)
+        width = nested_width(i, len(shown))
         low, high = sweep.min_load[order, column] / scale, sweep.max_load[order, column] / scale
-        ax.plot(speed, high, color, lw=width, label=gear)
-        ax.plot(speed, low, color, lw=width)
+        ax.plot(speed, high, color, ls=dashes, lw=width, label=gear)
+        ax.plot(speed, low, color, ls=dashes, lw=width)
         ax.fill_between(speed, low, high, color=color, alpha=0.12, lw=0)
-        mark_static(ax, sweep.static_load[column] / scale, color, f"{gear}, static")
+        mark_static(ax, sweep.static_load[column] / scale, color)
+    if "static" not in ax.get_legend_handles_labels()[1]:
+        # The last in the legend, of no gear's colour.
+        ax.plot([], [], color="0.35", lw=0.9, ls=(0, (6, 3)), label="static")
     ax.axhline(0.0, color="0.35", lw=0.9)
     ax.set_ylabel(f"largest and smallest load{unit}")
-    legend_above(ax, 4)
+    legend_above(ax)
     return ax
 
 
@@ -58,11 +60,12 @@ def plot_accelerations(
     speed = _speed(ax, sweep.speed[order], units)
     for i, station in enumerate(sweep.max_acceleration if stations is None else stations):
         share = sweep.max_acceleration[station][order] / sweep.modes.aircraft.gravity
-        ax.plot(speed, share, COLORS[i % len(COLORS)], lw=1.3, label=station)
+        color, dashes = line_style(i)
+        ax.plot(speed, share, color, ls=dashes, lw=1.3, label=station)
     ax.axhline(ACCELERATION_LIMIT, color="0.2", lw=0.9, ls="--", label="±0.4 g")
     ax.set_ylim(bottom=0.0)
     ax.set_ylabel("largest |vertical acceleration| [g]")
-    legend_above(ax, 4)
+    legend_above(ax)
     return ax
 
 

@@ -11,6 +11,7 @@ from ._core import InputError
 from ._files import (
     ELEVATION,
     as_tracks,
+    check_rising,
     excerpt,
     fault,
     find,
@@ -28,6 +29,9 @@ from ._files import (
 from .units import length_unit
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from ._files import Column, FilePath
     from .profile import Profile
 
@@ -152,14 +156,17 @@ def read_csv(
     lines, picked = _pick(path, table, columns, delimiter)
     if header:
         lines, picked = lines[1:], [cells[1:] for cells in picked]
-    values = []
+    values: list[NDArray[np.float64]] = []
     for column, cells, stated in zip(
         columns, picked, [stated_x] + [stated_z] * len(several), strict=True
     ):
         what = f"column {headings[column] or column!r}"
         in_file = unit_of(path, first, what, units[column], stated)
-        values.append(in_unit(numbers(path, lines, cells, what, decimal), in_file, to))
-    tracks = profiles(path, lines, values[0], dict(zip(several, values[1:], strict=True)))
+        found = numbers(path, lines, cells, what, decimal)
+        if not values:
+            check_rising(path, lines, found)
+        values.append(in_unit(found, in_file, to))
+    tracks = profiles(path, lines, values[0], dict(zip(several, values[1:], strict=True)), to)
     return tracks if isinstance(elevation, Mapping) else tracks[ELEVATION]
 
 

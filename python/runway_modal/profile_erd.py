@@ -162,7 +162,7 @@ def read_erd(
         values = numbers(path, lines, cells[column::channels], what)
         elevations[name] = in_unit(values, unit_z, to)
     stations = np.arange(len(lines)) * in_unit(np.array(step), unit_x, to)
-    tracks = profiles(path, lines, stations, elevations)
+    tracks = profiles(path, lines, stations, elevations, to)
     return tracks if isinstance(elevation, Mapping) else tracks[ELEVATION]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ._chunks import CHUNK, Chunk, chunks, joined
 from ._core import InputError
-from ._input import read_only
+from ._input import integer, read_only
 from .ensemble import Ensemble
 from .roughness import setup
 
@@ -114,7 +114,7 @@ def monte_carlo(
             progress(done, runs)
 
 
-def read(directory: str | os.PathLike[str]) -> Ensemble:
+def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensemble:
     """
     Read the runs that `monte_carlo` has finished in a directory.
 
@@ -122,6 +122,8 @@ def read(directory: str | os.PathLike[str]) -> Ensemble:
     ----------
     directory : path
         Where they are.
+    runs : int, optional
+        No more than so many from the first. Default: all.
 
     Returns
     -------
@@ -131,7 +133,7 @@ def read(directory: str | os.PathLike[str]) -> Ensemble:
     Raises
     ------
     InputError
-        If there are none.
+        If there are none, or `runs` is no whole number > 0.
     ImportError
         If pandas or pyarrow is not installed.
 
@@ -147,8 +149,10 @@ def read(directory: str | os.PathLike[str]) -> Ensemble:
     files = sorted(folder.glob("runs-*.parquet"))
     if not files:
         raise InputError(f"directory = {os.fspath(directory)!r} holds no runs")
-    common = json.loads((folder / _SETUP).read_text())["setup"]
-    return joined(_read(file, common) for file in files)
+    about = json.loads((folder / _SETUP).read_text())
+    last = None if runs is None else about["first_run"] + integer("runs", runs, 1) - 1
+    parts = (_read(file, about["setup"], last) for file in files)
+    return joined(part for part in parts if len(part))
 
 
 def _agree(file: Path, about: dict[str, Any]) -> None:
@@ -197,10 +201,10 @@ def _write(file: Path, part: Chunk) -> None:
     _replace(file, lambda path: frame.to_parquet(path))
 
 
-def _read(file: Path, common: dict[str, Any]) -> Ensemble:
+def _read(file: Path, common: dict[str, Any], last: int | None) -> Ensemble:
     import pandas as pd
 
-    frame = pd.read_parquet(file)
+    frame = pd.read_parquet(file).loc[:last]
 
     def named(quantity: str) -> dict[str, Any]:
         start = f"{quantity}_"

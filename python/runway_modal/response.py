@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,6 +31,8 @@ class Extremes:
 
     Parameters
     ----------
+    gear_names : tuple of str
+        Names of the gears, in the order of the columns.
     max_load : ndarray, shape (g,)
         Largest compression load of each gear [force].
     time_of_max : ndarray, shape (g,)
@@ -50,14 +52,39 @@ class Extremes:
     >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
     >>> response.extremes().time_of_max.round(2)
     array([2.71, 3.27, 3.27])
+    >>> print(response.extremes())
+    gear       max_load          at    min_load          at
+    nose        12939.7     2.70978     4915.21     4.02387
+    left        43685.9     3.26619     3516.15     3.00471
+    right       43685.9     3.26619     3516.15     3.00471
+    station  max |acc.|          at
+    cg          296.625     3.00649
     """
 
+    gear_names: tuple[str, ...]
     max_load: NDArray[np.float64]
     time_of_max: NDArray[np.float64]
     min_load: NDArray[np.float64]
     time_of_min: NDArray[np.float64]
     max_acceleration: dict[str, float]
     time_of_max_acceleration: dict[str, float]
+
+    def __str__(self) -> str:
+        """Make a table: a line a gear, a line a station."""
+        loads = (self.max_load, self.time_of_max, self.min_load, self.time_of_min)
+        accelerations = (self.max_acceleration.values(), self.time_of_max_acceleration.values())
+        rows: list[tuple[Any, ...]] = [
+            ("gear", "max_load", "at", "min_load", "at"),
+            *zip(self.gear_names, *loads, strict=True),
+            ("station", "max |acc.|", "at"),
+            *zip(self.max_acceleration, *accelerations, strict=True),
+        ]
+        width = max(len(name) for name, *_ in rows)
+        return "\n".join(
+            name.ljust(width)
+            + "".join(f"{cell if isinstance(cell, str) else f'{cell:.6g}':>12}" for cell in cells)
+            for name, *cells in rows
+        )
 
 
 class Response(Shown):
@@ -250,6 +277,7 @@ class Response(Shown):
         loads, accelerations, times = self._run.extremes(self._stations(), begin, end)
         stations = self.aircraft.stations
         return Extremes(
+            gear_names=self.aircraft.gear_names,
             max_load=loads[0],
             time_of_max=loads[1],
             min_load=loads[2],

@@ -307,6 +307,7 @@ class Response(Shown):
         upward, downward = best[2 * gears :].reshape(2, -1)
         larger = np.where(upward >= downward, 0, len(stations)) + np.arange(len(stations))
         return Extremes(
+            gear_names=self.aircraft.gear_names,
             max_load=read_only(best[:gears].copy()),
             time_of_max=read_only(when[:gears].copy()),
             min_load=read_only(0.0 - best[gears : 2 * gears]),

@@ -12,9 +12,9 @@ use crate::row::Row;
 use crate::watch::{Pulse, Watch};
 
 /// Real and imaginary parts of one term, or two neighbouring stations.
-pub(crate) type Pair = [Row; 2];
+pub(crate) type Term = [Row; 2];
 
-pub(crate) const NONE: Pair = [Row::ZERO; 2];
+pub(crate) const NONE: Term = [Row::ZERO; 2];
 
 /// Largest odd part of a quick size: threes and fives cost more than fours.
 const MOST_ODD: usize = 27;
@@ -84,7 +84,7 @@ impl Transform {
     /// Block by block, so that what a pass reads still is in the cache from the pass before. Leaves
     /// them half summed once the caller has asked to stop.
     #[inline(always)]
-    pub fn sum(&self, x: &mut [Pair], watch: &mut Watch) {
+    pub fn sum(&self, x: &mut [Term], watch: &mut Watch) {
         let Some((&leaf, outer)) = self.radices.split_last() else { return };
         for done in 1..=x.len() / leaf {
             let mut block = leaf;
@@ -105,7 +105,7 @@ impl Transform {
     }
 
     #[inline(always)]
-    fn pass(&self, radix: usize, x: &mut [Pair]) {
+    fn pass(&self, radix: usize, x: &mut [Term]) {
         match radix {
             2 => self.join::<2>(x),
             3 => self.join::<3>(x),
@@ -116,9 +116,9 @@ impl Transform {
 
     /// Joins R transforms that stand one after another to one of R times the size.
     #[inline(always)]
-    fn join<const R: usize>(&self, x: &mut [Pair])
+    fn join<const R: usize>(&self, x: &mut [Term])
     where
-        [Pair; R]: Butterfly,
+        [Term; R]: Butterfly,
     {
         let stride = x.len() / R;
         let step = 2 * self.size / x.len();
@@ -150,30 +150,30 @@ fn left_over(mut size: usize) -> usize {
 }
 
 #[inline(always)]
-fn plus(a: Pair, b: Pair) -> Pair {
+fn plus(a: Term, b: Term) -> Term {
     [a[0] + b[0], a[1] + b[1]]
 }
 
 #[inline(always)]
-fn minus(a: Pair, b: Pair) -> Pair {
+fn minus(a: Term, b: Term) -> Term {
     [a[0] - b[0], a[1] - b[1]]
 }
 
 #[inline(always)]
-fn scaled(a: Pair, factor: f64) -> Pair {
+fn scaled(a: Term, factor: f64) -> Term {
     let factor = Row::all(factor);
     [factor * a[0], factor * a[1]]
 }
 
 /// Times i.
 #[inline(always)]
-fn turned([re, im]: Pair) -> Pair {
+fn turned([re, im]: Term) -> Term {
     [Row::ZERO - im, re]
 }
 
 /// Times a complex number, the same in every lane.
 #[inline(always)]
-pub(crate) fn times([re, im]: Pair, turn: [f64; 2]) -> Pair {
+pub(crate) fn times([re, im]: Term, turn: [f64; 2]) -> Term {
     let [cos, sin] = turn.map(Row::all);
     [re * cos - im * sin, re * sin + im * cos]
 }
@@ -183,7 +183,7 @@ trait Butterfly {
     fn butterfly(self) -> Self;
 }
 
-impl Butterfly for [Pair; 2] {
+impl Butterfly for [Term; 2] {
     #[inline(always)]
     fn butterfly(self) -> Self {
         let [a, b] = self;
@@ -191,7 +191,7 @@ impl Butterfly for [Pair; 2] {
     }
 }
 
-impl Butterfly for [Pair; 3] {
+impl Butterfly for [Term; 3] {
     #[inline(always)]
     fn butterfly(self) -> Self {
         const SIN: f64 = 0.866_025_403_784_438_6; // of 120°
@@ -202,7 +202,7 @@ impl Butterfly for [Pair; 3] {
     }
 }
 
-impl Butterfly for [Pair; 4] {
+impl Butterfly for [Term; 4] {
     #[inline(always)]
     fn butterfly(self) -> Self {
         let [a, b, c, d] = self;
@@ -212,7 +212,7 @@ impl Butterfly for [Pair; 4] {
     }
 }
 
-impl Butterfly for [Pair; 5] {
+impl Butterfly for [Term; 5] {
     #[inline(always)]
     fn butterfly(self) -> Self {
         // cos and sin of 72° and 144°.

@@ -135,10 +135,9 @@ impl<'a> Path<'a> {
     pub fn drive(&self, slot: usize) -> Drive {
         let mut drive = Drive { beta: Lanes::ZERO, gamma: Lanes::ZERO };
         for (index, track) in self.run.tracks.iter().enumerate() {
-            let slope = self.knots.slope(slot, index);
-            drive.beta += track.climb * slope;
+            drive.beta += self.share(index).beta(slot);
             if self.run.damping_input {
-                drive.gamma += track.drag * (slope * self.run.speed);
+                drive.gamma += track.drag * (self.knots.slope(slot, index) * self.run.speed);
             }
         }
         drive
@@ -160,10 +159,10 @@ impl<'a> Path<'a> {
     /// `N` tracks, all for `N` = 0.
     #[inline(always)]
     fn follow_tracks<const N: usize>(&self, from: State, trail: &mut impl Trail) -> State {
-        let few: [Line; N] = std::array::from_fn(|track| self.line(track));
-        let many: Vec<Line>;
-        let lines = if N == 0 {
-            many = (0..self.run.tracks.len()).map(|track| self.line(track)).collect();
+        let few: [Share; N] = std::array::from_fn(|track| self.share(track));
+        let many: Vec<Share>;
+        let shares = if N == 0 {
+            many = (0..self.run.tracks.len()).map(|track| self.share(track)).collect();
             &many[..]
         } else {
             &few[..]
@@ -180,24 +179,24 @@ impl<'a> Path<'a> {
                 Way::Even => {
                     let pair = &self.pair;
                     while slot + 1 < end {
-                        let rates = [beta(lines, slot - 1), beta(lines, slot)];
+                        let rates = [beta(shares, slot - 1), beta(shares, slot)];
                         trail.see(slot - 1, &here);
                         trail.see(slot, &pair.once.follow(&here, rates[0]));
                         here = pair.follow(&here, rates);
                         slot += 2;
                     }
                     if slot < end {
-                        here = turn(lines, slot, &pair.once, &here, trail);
+                        here = turn(shares, slot, &pair.once, &here, trail);
                     }
                 }
                 Way::Short => {
                     for slot in slot..end {
-                        here = turn(lines, slot, &self.short(slot), &here, trail);
+                        here = turn(shares, slot, &self.short(slot), &here, trail);
                     }
                 }
                 Way::Kept => {
                     for slot in slot..end {
-                        here = turn(lines, slot, self.kept(slot), &here, trail);
+                        here = turn(shares, slot, self.kept(slot), &here, trail);
                     }
                 }
             }
@@ -207,29 +206,35 @@ impl<'a> Path<'a> {
     }
 
     #[inline(always)]
-    fn line(&self, track: usize) -> Line<'_> {
-        Line { climb: self.run.tracks[track].climb, slopes: &self.knots.slopes[track] }
+    fn share(&self, track: usize) -> Share<'_> {
+        Share { climb: self.run.tracks[track].climb, slopes: &self.knots.slopes[track] }
     }
 }
 
 /// From the knot before a slot to that of the slot.
 #[inline(always)]
-fn turn(lines: &[Line], slot: usize, over: &Transition, from: &State, trail: &mut impl Trail) -> State {
+fn turn(shares: &[Share], slot: usize, over: &Transition, from: &State, trail: &mut impl Trail) -> State {
     trail.see(slot - 1, from);
-    over.follow(from, beta(lines, slot - 1))
+    over.follow(from, beta(shares, slot - 1))
 }
 
 /// Rate of the static position ÷ ω after the knot of a slot.
 #[inline(always)]
-fn beta(lines: &[Line], slot: usize) -> Lanes {
-    let rate = |line: &Line| line.climb * line.slopes[slot];
-    lines[1..].iter().fold(rate(&lines[0]), |sum, line| sum + rate(line))
+fn beta(shares: &[Share], slot: usize) -> Lanes {
+    shares[1..].iter().fold(shares[0].beta(slot), |sum, share| sum + share.beta(slot))
 }
 
-/// What one track adds to the drive.
-struct Line<'a> {
+/// What one track adds to the rate of the static position.
+struct Share<'a> {
     climb: Lanes,
     slopes: &'a [f64; SLOTS],
+}
+
+impl Share<'_> {
+    #[inline(always)]
+    fn beta(&self, slot: usize) -> Lanes {
+        self.climb * self.slopes[slot]
+    }
 }
 
 /// Finds the transitions of a block.

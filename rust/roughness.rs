@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use crate::coherence::Coherency;
 use crate::ensemble::{Reader, Simd, Source};
 use crate::error::{Error, Result, finite, positive};
-use crate::fourier::{NONE, Pair, Transform, times};
+use crate::fourier::{NONE, Term, Transform, times};
 use crate::parallel::{self, Tools, threads};
 use crate::random::{Deviates, LINES, Streams};
 use crate::row::{RUNS, Row};
@@ -78,7 +78,7 @@ struct Line {
 /// Room for the profiles of one block of runs.
 #[derive(Clone, Debug)]
 pub struct Block {
-    tracks: Vec<Vec<Pair>>,
+    tracks: Vec<Vec<Term>>,
     noise: Vec<Deviates>,
 }
 

@@ -103,9 +103,7 @@ impl OnGrid<'_, '_> {
         self.time[self.rows.count] = time;
         self.rows.push(state);
     }
-}
 
-impl OnGrid<'_, '_> {
     /// Rows between a segment's ends.
     fn fill(&mut self, segment: &Segment, begin: f64, end: f64) {
         let parts = ((end - begin) / self.grid.step).ceil();
@@ -136,6 +134,20 @@ impl OnGrid<'_, '_> {
     fn look(&mut self, segment: &Segment, count: usize) {
         let first = self.rows.count;
         push_all(self.rows, self.inside.states(segment, &self.time[first..first + count]));
+    }
+
+    /// Whether every segment from one of these times to the next gives one row, but for vertical
+    /// steps: the usual block of a finely sampled profile.
+    fn row_a_knot(&self, times: &[f64]) -> bool {
+        let Grid { begin, end, step, .. } = self.grid;
+        let (Some(&first), Some(&last)) = (times.first(), times.last()) else { return false };
+        first >= begin && last <= end && are_spaced(times, step)
+    }
+
+    /// Times of the knots of a block but the last, so many rows on.
+    fn keep_times(&mut self, rows: usize, block: &Block) {
+        let [times @ .., _] = block.times() else { return };
+        self.time[self.rows.count + rows..][..times.len()].copy_from_slice(times);
     }
 }
 
@@ -177,22 +189,6 @@ impl Visitor for OnGrid<'_, '_> {
 
     fn go_on(&mut self, work: u32) -> bool {
         self.watch.go_on(work)
-    }
-}
-
-impl OnGrid<'_, '_> {
-    /// Whether every segment from one of these times to the next gives one row, but for vertical
-    /// steps: the usual block of a finely sampled profile.
-    fn row_a_knot(&self, times: &[f64]) -> bool {
-        let Grid { begin, end, step, .. } = self.grid;
-        let (Some(&first), Some(&last)) = (times.first(), times.last()) else { return false };
-        first >= begin && last <= end && are_spaced(times, step)
-    }
-
-    /// Times of the knots of a block but the last, so many rows on.
-    fn keep_times(&mut self, rows: usize, block: &Block) {
-        let [times @ .., _] = block.times() else { return };
-        self.time[self.rows.count + rows..][..times.len()].copy_from_slice(times);
     }
 }
 

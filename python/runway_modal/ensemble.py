@@ -625,6 +625,8 @@ def simulate_many(
     if not isinstance(damping_input, bool | np.bool_):
         raise InputError(f"damping_input = {damping_input!r} is not True or False")
     mask = masks(on_error)
+    # Ensembles number their runs in 63 bits.
+    first_run = integer("first_run", first_run, 0, 2**63 - runs + 1)
     speeds = any_array("speed", speed)
     if speeds.ndim == 0:
         speeds = np.array([number("speed", speed)])

@@ -48,6 +48,13 @@ def integer(argument: str, value: Any, least: int, below: int | None = None) -> 
     return passed
 
 
+def flag(argument: str, value: Any) -> bool:
+    """Pass True or False; other values that Python takes for one are mistakes."""
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{argument} = {value!r} is not True or False")
+    return bool(value)
+
+
 def array(argument: str, values: ArrayLike, ndim: int | None = 1) -> NDArray[np.float64]:
     """Pass real numbers as a C-ordered float64 array of `ndim` dimensions, None for any number."""
     given = any_array(argument, values)

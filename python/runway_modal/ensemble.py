@@ -11,9 +11,9 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import any_array, array, integer, number, read_only, refuse
+from ._input import any_array, array, flag, integer, number, read_only, refuse
 from ._quantities import DIMENSIONS, DOWNWARD
-from .modes import Modes
+from .modes import Modes, check_modes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -622,8 +622,7 @@ def simulate_many(
     given = _elevations(elevations)
     runs, tracks, count = given.shape
     _check_modes(each, one=isinstance(modes, Modes), runs=runs)
-    if not isinstance(damping_input, bool | np.bool_):
-        raise InputError(f"damping_input = {damping_input!r} is not True or False")
+    damping_input = flag("damping_input", damping_input)
     mask = masks(on_error)
     # Ensembles number their runs in 63 bits.
     first_run = integer("first_run", first_run, 0, 2**63 - runs + 1)
@@ -642,7 +641,7 @@ def simulate_many(
         h,
         speeds.tolist(),
         [np.array(list(one.aircraft.stations.values())) for one in each],
-        bool(damping_input),
+        damping_input,
         mask,
     )
     max_load, min_load, rms_load, max_acceleration, rms_acceleration = map(read_only, results)
@@ -655,7 +654,7 @@ def simulate_many(
         "tracks": tracks,
         "count of stations": count,
         "spacing": h,
-        "damping_input": bool(damping_input),
+        "damping_input": damping_input,
     }
     static = np.stack([one.aircraft.static_load for one in each])
     return Ensemble(
@@ -699,8 +698,7 @@ def _check_modes(each: list[Modes], *, one: bool, runs: int) -> None:
     if not one and len(each) != runs:
         raise InputError(f"modes has {len(each)} entries, {runs} expected (one a run)")
     for i, modes in enumerate(each):
-        if not isinstance(modes, Modes):
-            raise InputError(f"modes[{i}] = {modes!r} is not a Modes; see Aircraft.modes")
+        check_modes(f"modes[{i}]", modes)
         for kind in ("gear_names", "stations"):
             first, other = (tuple(getattr(m.aircraft, kind)) for m in (each[0], modes))
             if first != other:

@@ -19,6 +19,12 @@ if TYPE_CHECKING:
     from .aircraft import Aircraft
 
 
+def check_modes(argument: str, value: object) -> None:
+    """Refuse what is not a `Modes`; an aircraft is the likely mistake."""
+    if not isinstance(value, Modes):
+        raise InputError(f"{argument} = {value!r} is not a Modes; see Aircraft.modes")
+
+
 class Modes:
     """
     Modes of an aircraft: frequencies, damping ratios and shapes (Eqs. 6-11).

@@ -8,9 +8,9 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, finite, integer, number, read_only, refuse
+from ._input import array, finite, flag, integer, number, read_only, refuse
 from .ensemble import Ensemble, describe, masks
-from .modes import Modes
+from .modes import Modes, check_modes
 from .profile import Profile
 from .units import convert_length, length_unit
 
@@ -507,8 +507,7 @@ def monte_carlo(
         )
     if not isinstance(roughness, Roughness):
         raise InputError(f"roughness = {roughness!r} is not a Roughness")
-    if not isinstance(damping_input, bool | np.bool_):
-        raise InputError(f"damping_input = {damping_input!r} is not True or False")
+    damping_input = flag("damping_input", damping_input)
     mask = masks(on_error)
     runs = integer("runs", runs, 1)
     # Ensembles number their runs in 63 bits.
@@ -522,7 +521,7 @@ def monte_carlo(
     stations = modes.aircraft.stations
     points = np.array(list(stations.values()))
     results, failed = _core.monte_carlo(
-        modes._core, generator, first_run, runs, speeds.tolist(), points, bool(damping_input), mask
+        modes._core, generator, first_run, runs, speeds.tolist(), points, damping_input, mask
     )
     max_load, min_load, rms_load, max_acc, rms_acc = (read_only(result) for result in results)
     return Ensemble(
@@ -579,8 +578,7 @@ def _power_law(
 
 def lateral_positions(modes: Modes, tracks: str) -> NDArray[np.float64]:
     """Where the tracks lie: one for all gears or one a gear."""
-    if not isinstance(modes, Modes):
-        raise InputError(f"modes = {modes!r} is not a Modes; see Aircraft.modes")
+    check_modes("modes", modes)
     if tracks == "one":
         return np.zeros(1)
     if tracks == "isotropic":

@@ -5,13 +5,11 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from . import _core
 from ._core import InputError
-from ._input import number
+from ._input import flag, number
 from ._tracks import by_gear
-from .modes import Modes
+from .modes import Modes, check_modes
 from .response import Response
 
 if TYPE_CHECKING:
@@ -87,16 +85,14 @@ def simulate(
     >>> response.extremes().max_load.round(-2)
     array([12900., 43700., 43700.])
     """
-    if not isinstance(modes, Modes):
-        raise InputError(f"modes = {modes!r} is not a Modes; see Aircraft.modes")
-    if not isinstance(damping_input, (bool, np.bool_)):
-        raise InputError(f"damping_input = {damping_input!r} is not True or False")
+    check_modes("modes", modes)
+    damping_input = flag("damping_input", damping_input)
     names, speed = modes.aircraft.gear_names, number("speed", speed)
     profiles = by_gear(names, tracks)
-    run = _core.Run(modes._core, [one._core for one in profiles], speed, bool(damping_input))
+    run = _core.Run(modes._core, [one._core for one in profiles], speed, damping_input)
     if times is not None and duration is not None:
         raise InputError("duration ends the default times; it does not go with times")
     span = None if duration is None else number("duration", duration)
     by_name = dict(zip(names, profiles, strict=True))
-    again = partial(simulate, modes, by_name, speed, damping_input=bool(damping_input))
+    again = partial(simulate, modes, by_name, speed, damping_input=damping_input)
     return Response(run, modes, again, times=times, duration=span)

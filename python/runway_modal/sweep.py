@@ -9,9 +9,9 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import any_array, array, number, read_only
+from ._input import any_array, array, flag, number, read_only
 from ._tracks import by_gear
-from .modes import Modes
+from .modes import Modes, check_modes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -485,12 +485,10 @@ def worst_speed(
 def _course(
     modes: Modes, tracks: Profile | Mapping[str, Profile], damping_input: bool
 ) -> _core.Course:
-    if not isinstance(modes, Modes):
-        raise InputError(f"modes = {modes!r} is not a Modes; see Aircraft.modes")
-    if not isinstance(damping_input, bool | np.bool_):
-        raise InputError(f"damping_input = {damping_input!r} is not True or False")
+    check_modes("modes", modes)
+    damping_input = flag("damping_input", damping_input)
     profiles = [profile._core for profile in by_gear(modes.aircraft.gear_names, tracks)]
-    return _core.Course(modes._core, profiles, bool(damping_input))
+    return _core.Course(modes._core, profiles, damping_input)
 
 
 def _limits(speeds: Sequence[float]) -> tuple[float, float]:

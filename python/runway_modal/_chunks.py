@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, TypedDict
 import numpy as np
 
 from ._core import InputError
-from ._input import integer
+from ._input import array, integer, refuse
 from .ensemble import masks
 from .roughness import Roughness, lateral_positions, monte_carlo
 
@@ -67,9 +67,11 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> l
     runs = integer("runs", options["runs"], 1)
     first_run = integer("first_run", options.get("first_run", 0), 0)
     size = integer("chunk", size, 1)
-    speed = np.asarray(options["speed"])
+    speed = array("speed", options["speed"], ndim=None)
     if speed.ndim > 1 or (speed.ndim == 1 and speed.size not in (1, runs)):
         raise InputError(f"speed has the shape {speed.shape}, not one value or one a run ({runs},)")
+    # Here, as a chunk would count them from its own first run.
+    refuse("speed", speed, ~((speed > 0) & np.isfinite(speed)), "is not positive and finite")
     each = speed.size == runs and speed.ndim == 1
 
     def part(begin: int) -> Chunk:

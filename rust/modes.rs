@@ -149,8 +149,11 @@ impl Modes {
     /// off the diagonal, 0 on it and where a mode has no damper.
     #[must_use]
     pub fn damping_coupling(&self) -> Vec<Vec<f64>> {
-        let damping = self.aircraft.damping_matrix();
-        let coupling = |a: &Vector3<f64>, b: &Vector3<f64>| a.dot(&(damping * b));
+        // Gear by gear: a product with the summed matrix cancels where gears differ much.
+        let gears = self.aircraft.gears();
+        let coupling = |a: &Vector3<f64>, b: &Vector3<f64>| -> f64 {
+            gears.iter().map(|gear| gear.damping * gear.row().dot(a) * gear.row().dot(b)).sum()
+        };
         (0..self.shapes.len())
             .map(|i| {
                 (0..self.shapes.len())

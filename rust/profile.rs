@@ -239,19 +239,32 @@ impl Profile {
         let mut stations: Vec<f64> = self.x.iter().chain(&other.x).copied().collect();
         stations.sort_by(f64::total_cmp);
         stations.dedup();
-        let (mut x, mut z) = (Vec::with_capacity(stations.len()), Vec::with_capacity(stations.len()));
-        for station in stations {
-            let before = f(self.elevation_before(station), other.elevation_before(station));
-            let after = f(self.elevation(station), other.elevation(station));
-            x.push(station);
-            z.push(before);
+        // The slope ahead of a station, and what both have of it whatever their signs.
+        let ahead = |next: usize| match stations.get(next) {
+            Some(&at) => {
+                let (one, two) = (self.slope_before(at), other.slope_before(at));
+                (f(one, two), f(one, 0.0).abs() + f(0.0, two).abs())
+            }
+            None => (0.0, 0.0),
+        };
+        let mut course = Course::new(&stations);
+        let (mut behind, mut here, mut last) = (0.0, ahead(0), stations[0]);
+        for (i, &station) in stations.iter().enumerate() {
+            let (next, (slope, steep)) = (ahead(i + 1), here);
+            let z = f(self.elevation_before(station), other.elevation_before(station));
+            course.go_on((station, z), (station - last) * slope, steep.max(behind).max(next.1));
+            (behind, here, last) = (steep, next, station);
             // Both sides of a step, whose breakpoint may be the first or the last.
             if self.steps_at(station) || other.steps_at(station) {
-                x.push(station);
-                z.push(after);
+                course.step(f(self.elevation(station), other.elevation(station)));
             }
         }
-        Self::new(x, z)
+        Self::new(course.x, course.z)
+    }
+
+    /// Slope of the line that ends at a station or goes on there.
+    fn slope_before(&self, station: f64) -> f64 {
+        self.slopes[self.x.partition_point(|&x| x < station)]
     }
 
     fn steps_at(&self, station: f64) -> bool {
@@ -284,7 +297,8 @@ impl Profile {
         let front = low.shifted(-0.5 * length)?;
         let back = low.shifted(0.5 * length)?;
         let slope = front.combine(&back, |f, b| (f - b) / length)?;
-        let (mut x, mut z) = (vec![slope.x[0]], vec![base]);
+        let mut course = Course::new(&slope.x);
+        course.go_on((slope.x[0], base), 0.0, 0.0);
         let (mut mean, mut added) = (0.0, 0.0);
         for i in 1..slope.x.len() {
             let run = slope.x[i] - slope.x[i - 1];
@@ -292,24 +306,81 @@ impl Profile {
                 continue;
             }
             let (start, change) = (slope.z[i - 1], slope.z[i] - slope.z[i - 1]);
+            let near = &slope.z[i.saturating_sub(2)..slope.z.len().min(i + 2)];
+            let steepest = near.iter().fold(0.0, |most, slope| f64::max(most, slope.abs()));
             let chords = (0.125 * run * change.abs() / tolerance).sqrt().ceil().max(1.0);
             added += chords - 1.0;
             if added > MOST_CHORDS {
                 let place = Place::from("tolerance");
                 return Err(Error::OutOfRange { place, value: tolerance, why: "more than 1e7 chords" });
             }
-            for chord in 1..chords as usize {
-                let share = chord as f64 / chords;
-                x.push(slope.x[i - 1] + run * share);
-                z.push(base + (mean + run * share * (start + 0.5 * change * share)));
+            for chord in 1..=chords as usize {
+                let (share, middle) = (chord as f64 / chords, (chord as f64 - 0.5) / chords);
+                let station = if share < 1.0 { slope.x[i - 1] + run * share } else { slope.x[i] };
+                let height = mean + run * share * (start + 0.5 * change * share);
+                let rise = run / chords * (start + change * middle);
+                course.go_on((station, base + height), rise, steepest);
             }
             mean += run * (start + 0.5 * change);
-            x.push(slope.x[i]);
-            z.push(base + mean);
         }
-        if let (Some(end), Some(&level)) = (z.last_mut(), self.z.last()) {
-            *end = level; // the sum of all pieces, less their rounding
-        }
+        let Course { mut x, mut z, .. } = course;
+        // The sum of all pieces, less their rounding; where they end, if the last one was too short.
+        let last = x.len() - 1;
+        (x[last], z[last]) = (slope.x[slope.x.len() - 1], self.z[self.z.len() - 1]);
         Self::new(x, z)
+    }
+}
+
+/// Stations closer than this share of the farthest may be one but for rounding.
+const NEAR: f64 = 1e-9;
+
+/// Share of the slopes around by which rounding may falsify the slope between two of these.
+const WRONG: f64 = 1.0 / 256.0;
+
+/// A profile in the making, whose slopes are known better than its elevations tell.
+///
+/// Between stations that are one but for rounding the elevations would give a slope of nothing but
+/// rounding, and a gear's damper feels slopes. There the later breakpoint is put on the earlier one,
+/// which moves the profile by some last digits of its elevation.
+struct Course {
+    x: Vec<f64>,
+    z: Vec<f64>,
+    near: f64,
+    /// From the last breakpoint to the last place, and the steepest slope around.
+    rise: f64,
+    steepest: f64,
+}
+
+impl Course {
+    /// Through so many stations, or more.
+    fn new(stations: &[f64]) -> Self {
+        let (x, z) = (Vec::with_capacity(stations.len()), Vec::with_capacity(stations.len()));
+        let farthest = stations[0].abs().max(stations[stations.len() - 1].abs());
+        Self { x, z, near: NEAR * farthest, rise: 0.0, steepest: 0.0 }
+    }
+
+    /// In a straight line to a place (x, z), which is a `rise` above the last one; how steep it is
+    /// around.
+    fn go_on(&mut self, (x, z): (f64, f64), rise: f64, steepest: f64) {
+        self.rise += rise;
+        self.steepest = self.steepest.max(steepest);
+        if let (Some(from), Some(low)) = (self.x.last(), self.z.last()) {
+            let (run, wrong) = (x - from, (z - low - self.rise).abs());
+            if run <= self.near && wrong > WRONG * self.steepest * run {
+                return;
+            }
+        }
+        self.put(x, z);
+    }
+
+    /// Vertically to another elevation.
+    fn step(&mut self, z: f64) {
+        self.put(self.x[self.x.len() - 1], z);
+    }
+
+    fn put(&mut self, x: f64, z: f64) {
+        self.x.push(x);
+        self.z.push(z);
+        (self.rise, self.steepest) = (0.0, 0.0);
     }
 }

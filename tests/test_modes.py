@@ -3,6 +3,7 @@
 import copy
 import pickle
 from collections.abc import Sequence
+from fractions import Fraction
 
 import mpmath
 import numpy as np
@@ -201,6 +202,26 @@ def test_damping_from_the_dampers() -> None:
     np.fill_diagonal(coupling, 0.0)
     assert coupling.max() > 0.01
     np.testing.assert_allclose(modes.damping_coupling, coupling, rtol=1e-11, atol=1e-14)
+
+
+def test_coupling_keeps_its_digits_between_soft_and_stiff_gears() -> None:
+    exact = np.vectorize(Fraction, otypes=[object])
+    random, worst = np.random.default_rng(5), 0.0
+    for _ in range(40):
+        k, c = 10 ** random.uniform(-3.0, 4.6, 3), 10 ** random.uniform(-2.0, 4.0, 3)
+        arms = zip(random.uniform(-200, 200, 3), random.uniform(-100, 100, 3), k, c, strict=True)
+        gears = [rm.Gear(f"{i}", *each) for i, each in enumerate(arms)]
+        craft = rm.Aircraft(
+            mass=145.5, pitch_inertia=1.92e6, roll_inertia=6.56e5, gears=gears, gravity=0.0
+        )
+        modes = craft.modes()
+        at = exact(craft.geometry) @ exact(modes.shapes)
+        modal = ((at.T * exact(c)) @ at).astype(float)
+        size = np.sqrt(np.diag(modal))
+        expected = abs(modal) / np.outer(size, size) - np.eye(3)
+        worst = max(worst, abs(modes.damping_coupling - expected).max())
+    # Through the summed matrix it would be 2e-11.
+    assert worst <= 1e-12
 
 
 def test_proportional_damping_has_no_coupling() -> None:

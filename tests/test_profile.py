@@ -427,6 +427,77 @@ def test_the_callers_arrays_are_copied_and_left_alone() -> None:
     np.testing.assert_array_equal((profile.x, profile.z), kept)
 
 
+# Stations that are one but for rounding
+
+#: The same tenths, as they come about.
+TENTHS = {
+    "products": lambda n: 0.1 * np.arange(n),
+    "rounded": lambda n: np.round(0.1 * np.arange(n), 1),
+    "sums": lambda n: np.cumsum(np.full(n, 0.1)) - 0.1,
+    "divided": lambda n: np.arange(n) / 10.0,
+}
+
+
+def slopes(profile: rm.Profile) -> NDArray[np.float64]:
+    runs = np.diff(profile.x)
+    return np.diff(profile.z)[runs > 0] / runs[runs > 0]
+
+
+@given(
+    seed=st.integers(0, 10**6),
+    grids=st.tuples(*2 * [st.sampled_from(sorted(TENTHS))]),
+    base=st.sampled_from([0.0, 10.0, 1e4]),
+    start=st.sampled_from([0.0, 1000.0]),
+)
+def test_a_sum_is_no_steeper_than_its_parts(
+    seed: int, grids: tuple[str, str], base: float, start: float
+) -> None:
+    random = np.random.default_rng(seed)
+    one, two = (
+        rm.Profile(start + TENTHS[grid](200), height + np.cumsum(random.normal(0.0, 1e-3, 200)))
+        for grid, height in zip(grids, (base, 0.0), strict=True)
+    )
+    total = one + two
+    most = sum(abs(slopes(part)).max() for part in (one, two))
+    assert abs(slopes(total)).max() <= most * (1.0 + 1.0 / 128.0)
+    at = np.concatenate([total.x, 0.5 * (total.x[1:] + total.x[:-1])])
+    allowed = 1e3 * np.spacing(abs(total.z).max()) + most * np.spacing(abs(total.x).max())
+    np.testing.assert_allclose(
+        total.elevation(at), one.elevation(at) + two.elevation(at), rtol=0, atol=allowed
+    )
+
+
+@pytest.mark.parametrize("grid", TENTHS)
+@pytest.mark.parametrize("start", [0.0, 1000.0])
+def test_dampers_feel_no_rounding_under_a_footprint(grid: str, start: float) -> None:
+    """A contact of three spacings: its ends pass two breakpoints at once, but for rounding."""
+    aircraft = rm.Aircraft(
+        mass=64e3,
+        pitch_inertia=3.1e6,
+        roll_inertia=1.6e6,
+        gravity=9.80665,
+        gears=[
+            rm.Gear("nose", 11.5, 0.0, 0.6e6, 20e3),
+            rm.Gear("left", -1.2, 3.8, 2.4e6, 90e3),
+            rm.Gear("right", -1.2, -3.8, 2.4e6, 90e3),
+        ],
+    )
+    z = np.cumsum(np.random.default_rng(1).normal(0.0, 5e-4, 60))
+
+    def extremes(base: float, length: float) -> rm.Extremes:
+        # Many chords: between long ones slopes are those of their middles.
+        felt = rm.Profile(start + TENTHS[grid](60), base + z).footprint(length, 1e-9)
+        return rm.simulate(aircraft.modes(), felt, 60.0, damping_input=True).extremes()
+
+    expected = extremes(0.0, 0.3 * (1.0 + 1e-8))
+    for base in (0.0, 10.0, 1e3, 1e5):
+        for length in (0.3, 0.3 + 1e-13, 0.3 + 1e-11):
+            found = extremes(base, length)
+            for name in ("max_load", "min_load"):
+                actual, desired = getattr(found, name), getattr(expected, name)
+                np.testing.assert_allclose(actual, desired, rtol=3e-4, err_msg=f"{base} {length}")
+
+
 @given(seed=st.integers(0, 10**6), points=st.integers(1, 12), length=st.floats(0.5, 60.0))
 def test_footprint_stays_in_range_and_ends_level(seed: int, points: int, length: float) -> None:
     random = np.random.default_rng(seed)

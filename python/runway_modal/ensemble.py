@@ -610,6 +610,13 @@ def simulate_many(
     NumericalError
         If a result leaves the range of double precision, unless that run is to be masked.
 
+    Notes
+    -----
+    With `damping_input` a load jumps where a slope begins or ends: at the last station both sides
+    count. The mean square of an acceleration is a difference of terms some ζ⁴ as large where a mode
+    is damped far beyond critical: `rms_acceleration` is off by 1e-13 of itself at a damping ratio
+    of 3, by 1e-10 at 100.
+
     Examples
     --------
     >>> import numpy as np, runway_modal as rm

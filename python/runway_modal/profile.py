@@ -485,7 +485,7 @@ class Profile:
         return cls(np.concatenate(x), np.concatenate(z))
 
     def __add__(self, other: Profile) -> Profile:
-        """Sum of two profiles, with the breakpoints of both."""
+        """Sum of two profiles, with the breakpoints of both; what is one but for rounding is one."""
         if not isinstance(other, Profile):
             return NotImplemented
         return self._wrap(self._core.sum(other._core))
@@ -556,9 +556,11 @@ class Profile:
         Notes
         -----
         The report leaves the footprint out and suggests it as a change of profile (Section IV.7).
-        The contact is rigid and evenly loaded, an approximation of a tire. Rounding adds no more
-        than a last digit of the largest station in the contact length, range of z × spacing(x)/L,
-        and a last digit of z: measured to 1e5 breakpoints against exact arithmetic.
+        The contact is rigid and evenly loaded, an approximation of a tire. Rounding adds some last
+        digits of the largest station in the contact length, range of z × spacing(x)/L, and of z:
+        measured to 1e5 breakpoints against exact arithmetic. Where the two ends of the contact pass
+        two breakpoints at once, but for the rounding of stations, there is one breakpoint: between
+        two the slope, which dampers feel, would be rounding.
 
         Examples
         --------

@@ -475,7 +475,8 @@ def monte_carlo(
     >>> ensemble = rm.monte_carlo(modes, surface, speed=rm.knots(60), runs=100, **runway)
 
     The worst run again, as long as it was there: `simulate` goes on for 5 s by default, and on
-    the level behind a random runway a load may exceed all before.
+    the level behind a random runway a load may exceed all before. (With `damping_input` a load
+    jumps at the last station; both sides count here, which a duration rounded down may miss.)
 
     >>> worst = int(ensemble.worst("nose", 1)[0])
     >>> profiles = surface.profiles(modes, worst, **runway)

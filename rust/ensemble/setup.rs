@@ -162,7 +162,7 @@ pub(super) struct Stations {
 fn split(lag: Distance, spacing: f64) -> Result<(usize, f64)> {
     let count = lag.nearest() / spacing;
     if count > LONGEST_LAG {
-        let why = "more than 1e12 of them between two gears";
+        let why = "more than 1e8 of them between two gears";
         return Err(Error::OutOfRange { place: Place::from("spacing"), value: spacing, why });
     }
     let rest = |whole: f64| lag.minus(Distance::product(whole, spacing));

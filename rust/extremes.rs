@@ -27,7 +27,7 @@ mod lengths;
 mod output;
 mod screen;
 
-use self::lengths::departure;
+use self::lengths::{departure, steady};
 use self::screen::Screen;
 use crate::error::{Error, Result};
 use crate::inside::Inside;
@@ -192,12 +192,10 @@ impl Search<'_> {
     fn reachable(&self, state: &State, drive: &Drive, (tau, dt): (f64, f64)) -> bool {
         let bank = &self.run.oscillators;
         let r = self.lengths.of(departure(bank, drive, state));
-        let steady = drive.gamma - bank.two_zeta * drive.beta;
-        self.outputs.iter().any(|Output { form, line, amplitude, record, .. }| {
-            let level = form.d.dot(steady) + form.v.dot(drive.beta) + line.start;
-            let (a, b) = (level + line.rate * tau, level + line.rate * dt);
-            let swing = amplitude.dot(r);
-            a.max(b) + swing > record.max || a.min(b) - swing < record.min
+        let steady = steady(bank, drive);
+        self.outputs.iter().any(|output| {
+            let (bottom, top) = output.range(steady, r, (tau, dt));
+            top > output.record.max || bottom < output.record.min
         })
     }
 

@@ -144,6 +144,24 @@ def test_alone_as_in_any_batch(damped):
     assert (bits(some) == bits(alike)[3:16]).all()
 
 
+@pytest.mark.parametrize(
+    ("ratios", "spacing", "speed"),
+    [
+        # Billions of cycles a segment, of which all but the first hundreds are over.
+        (0.01, 12.0, 1e-7),
+        # Thousands of legs on which the load creeps to its record.
+        ([1e3, 0.3, 0.3], 0.0107, 3.63),
+    ],
+)
+def test_of_long_stretches_only_what_can_tell_is_searched(ratios, spacing, speed):
+    modes = rm.f4e().modes(ratios)
+    elevations = np.random.default_rng(1).normal(size=(1, 1, 8))
+    found = rm.simulate_many(modes, elevations, spacing, speed)
+    expected = one_by_one(modes, elevations[0], spacing, speed, False).extremes()
+    np.testing.assert_allclose(found.max_load[0], expected.max_load, rtol=TOLERANCE)
+    np.testing.assert_allclose(found.min_load[0], expected.min_load, rtol=TOLERANCE)
+
+
 def test_every_wave_brings_the_record_once_more():
     # In resonance, sixteen stations a wave: all waves peak alike between stations, but for a
     # decrease that bounds do not tell. The record stands early, in what is gone over long before

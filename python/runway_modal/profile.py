@@ -485,7 +485,7 @@ class Profile:
         return cls(np.concatenate(x), np.concatenate(z))
 
     def __add__(self, other: Profile) -> Profile:
-        """Sum of two profiles, with the breakpoints of both; what is one but for rounding is one."""
+        """Sum of two profiles, with the breakpoints of both, one for what differs by rounding."""
         if not isinstance(other, Profile):
             return NotImplemented
         return self._wrap(self._core.sum(other._core))

@@ -110,8 +110,9 @@ impl Records {
             Extreme { max: best[0][lane], time_of_max: 0.0, min: -best[1][lane], time_of_min: 0.0 };
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let list = &mut candidates[side][lane];
-            while let Some(best) = (0..list.len()).max_by(|&a, &b| list[a].bound.total_cmp(&list[b].bound)) {
-                let Candidate { bound, leg, state, drive, start, growth } = list.swap_remove(best);
+            // The most promising first: it outdoes most of the others.
+            list.sort_by(|one, other| other.bound.total_cmp(&one.bound));
+            for Candidate { bound, leg, state, drive, start, growth } in list.drain(..) {
                 let (max, min) = (search.record.max, -search.record.min);
                 let record = if magnitude { max.max(min) } else { [max, min][side] };
                 if bound <= record {
@@ -123,7 +124,6 @@ impl Records {
                 let bank = (&setup.bank, &*setup.lengths);
                 search.search(bank, (&state, &end), &drive, (0.0, 0.0, h), &[(sign, bound)], watch);
             }
-            list.clear();
         }
         let (max, min) = (search.record.max, -search.record.min);
         let found = if magnitude { [max.max(min); 2] } else { [max, min] };

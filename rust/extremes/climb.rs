@@ -2,7 +2,7 @@
 
 use multiversion::multiversion;
 
-use super::lengths::{Lengths, SlowFast, departure};
+use super::lengths::{Lengths, SlowFast, departure, steady};
 use super::output::Output;
 use crate::transition::{Drive, Oscillators, State};
 use crate::watch::Watch;
@@ -69,7 +69,9 @@ impl Climb<'_> {
             }
             return true;
         }
-        false
+        // Where hardly any amplitude is left, however long the piece.
+        let (bottom, top) = self.output.range(steady(self.bank, self.drive), r, (tau, tau + h));
+        (if self.sign > 0.0 { top } else { -bottom }) <= enough
     }
 
     /// Whether F‴ has one sign.

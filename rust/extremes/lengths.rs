@@ -76,8 +76,15 @@ impl Lengths {
     }
 }
 
-/// Departure from the moving steady position: y and ẏ/ω.
+/// The moving steady position: y and ẏ/ω.
+#[inline(always)]
+pub(super) fn steady(bank: &Oscillators, drive: &Drive) -> (Lanes, Lanes) {
+    (drive.gamma - bank.two_zeta * drive.beta, drive.beta)
+}
+
+/// Departure from it.
 #[inline(always)]
 pub(super) fn departure(bank: &Oscillators, drive: &Drive, state: &State) -> (Lanes, Lanes) {
-    (state.d - (drive.gamma - bank.two_zeta * drive.beta), state.v - drive.beta)
+    let (y, w) = steady(bank, drive);
+    (state.d - y, state.v - w)
 }

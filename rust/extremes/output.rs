@@ -99,6 +99,20 @@ impl Output {
         }
     }
 
+    /// What it stays between from `tau` to `later`, about a steady position with lengths left.
+    pub(super) fn range(
+        &self,
+        (y, w): (Lanes, Lanes),
+        lengths: SlowFast,
+        (tau, later): (f64, f64),
+    ) -> (f64, f64) {
+        let Self { form, line, amplitude, .. } = self;
+        let level = form.d.dot(y) + form.v.dot(w) + line.start;
+        let (a, b) = (level + line.rate * tau, level + line.rate * later);
+        let swing = amplitude.dot(lengths);
+        (a.min(b) - swing, a.max(b) + swing)
+    }
+
     pub(super) fn slack(&self) -> f64 {
         let slack = TIE * self.record.max.abs().max(self.record.min.abs());
         if slack.is_finite() { slack } else { 0.0 }

@@ -91,12 +91,19 @@ pub enum Error {
     /// A value whose consequences leave the range of double precision.
     #[error("{place} = {value:?} is out of range: {why}")]
     OutOfRange { place: Place, value: f64, why: &'static str },
-    /// Mode shapes that are not orthonormal with respect to the mass matrix (Eq. 7).
+    /// Mode shapes that are not orthogonal with respect to the mass matrix (Eq. 7).
     #[error(
-        "shapes: modes {row} and {column} have shapesᵀ M shapes = {value:?}, \
-         {expected:?} ± {tolerance:?} expected (orthonormal shapes, Eq. 7)"
+        "shapes: columns {row} and {column} have shapesᵀ M shapes = {value:?}, \
+         0 ± {tolerance:?} expected (orthonormal shapes, Eq. 7)"
     )]
-    NotOrthonormal { row: usize, column: usize, value: f64, expected: f64, tolerance: f64 },
+    NotOrthogonal { row: usize, column: usize, value: f64, tolerance: f64 },
+    /// A mode shape of another size than 1 with respect to the mass matrix (Eq. 7).
+    #[error(
+        "shapes: column {column} has shapeᵀ M shape = {value:?}, 1 ± {tolerance:?} expected \
+         (orthonormal shapes, Eq. 7): divide it by {size:?}",
+        size = value.sqrt()
+    )]
+    NotNormal { column: usize, value: f64, tolerance: f64 },
     /// Coherent tracks of a spectrum that is no power law.
     #[error(
         "tracks a distance apart need a spectrum of one waviness: the coherency on an isotropic \

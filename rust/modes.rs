@@ -284,13 +284,19 @@ fn check_orthonormal(aircraft: &Aircraft, shapes: &[Vector3<f64>]) -> Result<()>
         }
     }
     let mass = Matrix3::from_diagonal(&aircraft.inertia().diagonal());
+    let (product, tolerance) = (|a: usize, b: usize| shapes[a].dot(&(mass * shapes[b])), ORTHONORMALITY);
+    let within = |value: f64, expected: f64| (value - expected).abs() <= tolerance;
+    for column in 0..shapes.len() {
+        let value = product(column, column);
+        if !within(value, 1.0) {
+            return Err(Error::NotNormal { column, value, tolerance });
+        }
+    }
     for row in 0..shapes.len() {
-        for column in 0..=row {
-            let value = shapes[row].dot(&(mass * shapes[column]));
-            let expected = if row == column { 1.0 } else { 0.0 };
-            if (value - expected).abs() > ORTHONORMALITY || value.is_nan() {
-                let tolerance = ORTHONORMALITY;
-                return Err(Error::NotOrthonormal { row, column, value, expected, tolerance });
+        for column in 0..row {
+            let value = product(row, column);
+            if !within(value, 0.0) {
+                return Err(Error::NotOrthogonal { row, column, value, tolerance });
             }
         }
     }

@@ -94,6 +94,8 @@ impl Run {
                 why: "one profile a gear",
             });
         }
+        // Without dampers there is nothing to take part.
+        let damping_input = damping_input && gears.iter().any(|gear| gear.damping > 0.0);
         let omega = modes.omega();
         let oscillators = Oscillators::new(omega.iter().copied().zip(modes.damping_ratio().iter().copied()));
         let front = gears.iter().map(|gear| gear.x).fold(f64::NEG_INFINITY, f64::max);
@@ -232,13 +234,23 @@ impl Run {
                 why: "more than 1e8 time points; give times",
             });
         }
-        // At most: a row a knot, the other side of each step, the two ends, and a few for rounding.
+        // At most: a row a knot, the other side of each jump, the two ends, and a few for rounding.
         let everywhere = between as usize + 1;
         let between = |least: usize, track: &Track| least.min(self.between(track, begin, end, step));
         let between = self.tracks.iter().fold(everywhere, between);
-        let steps = self.tracks.iter().map(|track| track.profile.steps()).sum::<usize>();
-        let most = between + self.most_knots() + steps + 8;
+        let knots = self.most_knots();
+        let jumps = if self.jumps_at_knots() {
+            knots
+        } else {
+            self.tracks.iter().map(|track| track.profile.steps()).sum()
+        };
+        let most = between + knots + jumps + 8;
         Ok(Grid { begin, end, step, most })
+    }
+
+    /// Whether loads and accelerations jump wherever a slope changes: dampers feel slopes.
+    pub(crate) fn jumps_at_knots(&self) -> bool {
+        self.damping_input
     }
 
     /// At most so many knots. What this leaves out of the room for results is memory that need not be

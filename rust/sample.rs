@@ -92,6 +92,8 @@ impl<const N: usize> Trail for Wide<'_, N> {
 /// Rows on a grid.
 struct OnGrid<'a, 'b> {
     inside: Inside<'a>,
+    /// Whether loads jump at every knot.
+    jumps: bool,
     grid: Grid,
     time: &'a mut [f64],
     rows: &'a mut Rows<'b>,
@@ -120,11 +122,12 @@ impl OnGrid<'_, '_> {
             self.look(segment, count);
             part += count;
         }
-        // The end of the grid, or the last instant before a vertical step: the step's own time
-        // shows the other side.
+        // The end of the grid, or the last instant before a jump: the jump's own time shows the
+        // other side.
         let over = segment.end > end;
         let last = if over { end } else { end.next_down() };
-        if last > begin && (over || segment.ends_at_step()) {
+        let jumps = self.jumps || segment.ends_at_step();
+        if last > begin && (over || jumps) {
             self.time[self.rows.count] = last;
             self.look(segment, 1);
         }
@@ -164,7 +167,8 @@ impl Visitor for OnGrid<'_, '_> {
     }
 
     fn visit_block(&mut self, block: &mut Block) {
-        if block.has_steps() || !self.row_a_knot(block.times()) {
+        let jumps = self.jumps || block.has_steps();
+        if jumps || !self.row_a_knot(block.times()) {
             block.march();
             for segment in block.segments() {
                 self.visit(&segment);
@@ -247,7 +251,14 @@ fn at_times(
 }
 
 fn sample_grid(run: &Run, grid: Grid, time: &mut [f64], rows: &mut Rows, pulse: Pulse) -> Result<()> {
-    let mut visitor = OnGrid { inside: Inside::new(run), grid, time, rows, watch: Watch::new(pulse) };
+    let mut visitor = OnGrid {
+        inside: Inside::new(run),
+        jumps: run.jumps_at_knots(),
+        grid,
+        time,
+        rows,
+        watch: Watch::new(pulse),
+    };
     march(run, grid.end, &mut visitor);
     visitor.watch.outcome
 }

@@ -207,6 +207,10 @@ def test_every_shape_is_in_the_example() -> None:
             METRES + F4E + MAT + '[footprint]\nnose = "-10 in"\n' + RUN,
             "10: footprint: nose = -0.254 is not positive; the file says nose = '-10 in'",
         ),
+        (
+            INCHES + F4E + MAT + '[[track]]\nshape = "full_mat"\ngap = -2\n' + RUN,
+            "11: track.1.: gap = -2.0 is negative",
+        ),
         (INCHES + F4E + MAT + '[footprint]\nnoze = 1\n' + RUN, "10: footprint: unknown key"),
         (INCHES + F4E + MAT + RUN + '[output]\ncsv = "-"\n', "12: output: csv = '-': standard"),
         (INCHES + F4E + MAT + RUN + "duration = -1\n", "11: run: duration = -1.0 is not positive"),

@@ -47,6 +47,20 @@ def test_unloading_is_said(case: Path, capsys: pytest.CaptureFixture[str]) -> No
     ]
 
 
+@pytest.mark.parametrize(("shape", "struck"), [("half_mat", True), ("full_mat", False)])
+def test_blows_that_are_left_out_are_said(
+    case: Path, capsys: pytest.CaptureFixture[str], shape: str, struck: bool
+) -> None:
+    case.write_text(
+        '[units]\nlength = "in"\nforce = "lbf"\n[single_dof]\nmass = 145.5\nomega = 12\n'
+        f'damping_ratio = 0.1\n[[track]]\nshape = "{shape}"\n'
+        '[run]\nspeeds = ["20 kt"]\ndamping_input = true\n',
+        "utf-8",
+    )
+    assert main(["run", str(case)]) == 0
+    assert ("strike the dampers of gear" in capsys.readouterr().out) == struck
+
+
 def test_tables_are_aligned_at_the_right(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", str(case)]) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -187,7 +201,13 @@ def test_what_stops_a_run_is_an_exit_code(
 
 
 def test_a_reader_that_leaves_is_no_fault(case: Path) -> None:
-    for arguments in (["example"], ["run", str(case), "--csv", "-"]):
+    written = [case.with_name("run.csv"), case.with_name("run.json")]
+    files = ["--csv", str(written[0]), "--json", str(written[1])]
+    for arguments in (
+        ["example"],
+        ["run", str(case), "--csv", "-"],
+        ["run", str(case), *files],
+    ):
         code = "import sys; from runway_modal.cli import main; sys.exit(main(sys.argv[1:]))"
         with subprocess.Popen(
             [sys.executable, "-c", code, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE
@@ -197,6 +217,8 @@ def test_a_reader_that_leaves_is_no_fault(case: Path) -> None:
         assert process.returncode == 0
         assert "Traceback" not in error
         assert "BrokenPipe" not in error
+    # Nobody reads what is said; what is to be written is written.
+    assert all(file.stat().st_size > 1000 for file in written)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")

@@ -342,6 +342,12 @@ def test_worst_and_unloaded_and_table():
     assert table.index[0] == 7
     with pytest.raises(rm.InputError, match="no such gear"):
         found.worst("tail")
+    with pytest.raises(rm.InputError, match="at = 'nose': no such station"):
+        found.worst("nose", quantity="max_acceleration")
+    lowest = found.worst("left", 2, quantity="min_load")
+    assert found.min_load[lowest[0] - 7, 1] == found.min_load[:, 1].min()
+    loudest = found.worst("cg", 1, quantity="rms_acceleration")
+    assert found.rms_acceleration["cg"].argmax() == loudest[0] - 7
     with pytest.raises(rm.InputError, match="no such quantity"):
         found.quantile("load", 0.5)
     with pytest.raises(rm.InputError, match=r"probability\[1\] = 1.0"):

@@ -291,3 +291,25 @@ def test_random_runs(
     profile = rough(seed, points, steps)
     end = (profile.x[-1] + 262.0) / speed + 1.0
     check(rm.simulate(modes, profile, speed, duration=end, damping_input=damping_input), 48)
+
+
+@pytest.mark.parametrize("speed", [20.0, 60.0])
+@pytest.mark.parametrize("ratio", [0.1, 0.7])
+def test_default_times_show_both_sides_where_dampers_make_loads_jump(speed, ratio) -> None:
+    """On a ramp's ends: of one side alone the largest load would be a fifth too low."""
+    modes, mat = rm.single_dof(mass=145.5, omega=12.016, damping_ratio=ratio), rm.Profile.full_mat()
+    response = rm.simulate(modes, mat, rm.knots(speed), damping_input=True)
+    found = response.extremes()
+    assert response.load.max() == pytest.approx(found.max_load[0], rel=2e-3)
+    assert response.load.min() == pytest.approx(found.min_load[0], rel=2e-3, abs=50.0)
+    largest = abs(response.acceleration["cg"]).max()
+    assert largest == pytest.approx(found.max_acceleration["cg"], rel=2e-3)
+    at = np.searchsorted(response.time, mat.x / rm.knots(speed))
+    assert (response.time[at[1:] - 1] == np.nextafter(response.time[at[1:]], 0.0)).all()
+    jumps = response.load[at[1:], 0] - response.load[at[1:] - 1, 0]
+    damping, slopes = modes.aircraft.gears[0].damping, np.array([1.5 / 12, 0.0, -1.5 / 12, 0.0])
+    expected = damping * np.diff(slopes) * rm.knots(speed)
+    np.testing.assert_allclose(jumps, expected, rtol=1e-9)
+    # Without dampers nothing jumps; the first instant has no other side.
+    plain = rm.simulate(modes, mat, rm.knots(speed)).time
+    assert plain.size == response.time.size - 3

@@ -81,6 +81,10 @@ def test_unknown_gear_and_missing_extra(monkeypatch: pytest.MonkeyPatch) -> None
         RESPONSE.plot(["tail"])
     with pytest.raises(rm.InputError, match=r"gears\[1\] = 'tail': no such gear"):
         loads_over_profile({"": NONLINEAR}, {"nose": "", "tail": ""})
+    with pytest.raises(rm.InputError, match=r"gears = 'nose' is one name; give a list, \['nose'\]"):
+        RESPONSE.plot("nose")
+    with pytest.raises(rm.InputError, match="gears is empty"):
+        RESPONSE.plot([])
     with pytest.raises(rm.InputError, match="responses is empty"):
         loads_over_profile({}, {"nose": ""})
     monkeypatch.setitem(sys.modules, "matplotlib", None)

@@ -394,6 +394,15 @@ def test_repr() -> None:
     assert text == "<Profile: 65 breakpoints, x 0 to 100, z 0 to 2>"
 
 
+def test_sum_of_many() -> None:
+    parts = [rm.Profile.mat(120.0, start=start) for start in (0.0, 500.0, 2000.0)]
+    assert sum(parts) == parts[0] + parts[1] + parts[2]
+    with pytest.raises(TypeError, match="unsupported operand"):
+        sum(parts, 1.0)
+    with pytest.raises(rm.InputError, match=r"profiles = .* is not a sequence"):
+        rm.Profile.sequence(parts[0], 5.0)
+
+
 def test_equality_hash_and_pickle() -> None:
     a, b = rm.Profile([0, 1], [0, 2]), rm.Profile([0.0, 1.0], (0.0, 2.0))
     assert a == b

@@ -442,6 +442,9 @@ def test_profiles_to_replay_a_run() -> None:
 def test_pickle() -> None:
     for each in (rough(2.2), rm.Roughness.from_table([0.01, 0.1, 0.4], [1e-3, 1e-5, 1e-6])):
         again = pickle.loads(pickle.dumps(each))
+        assert again == each
+        assert hash(again) == hash(each)
+        assert again != rm.Roughness.iso8608("H")
         assert repr(again) == repr(each)
         z = [same.elevations(**GRID, runs=1, seed=1) for same in (each, again)]
         assert np.array_equal(*z)
@@ -569,3 +572,5 @@ def test_bad_replay() -> None:
         rough().profiles(modes, 0, **GRID, seed=1, tracks="two")
     with pytest.raises(rm.InputError, match="is not a Modes"):
         rough().profiles(modes.aircraft, 0, **GRID, seed=1)
+    with pytest.raises(rm.InputError, match=r"^run = -1 must be at least 0"):
+        rough().profiles(modes, -1, **GRID, seed=1)

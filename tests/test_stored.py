@@ -163,3 +163,22 @@ def test_bad_on_error_leaves_no_files(tmp_path, modes, surface):
     with pytest.raises(rm.InputError, match="on_error = 'ignore'"):
         stored.monte_carlo(tmp_path / "new", modes, surface, **RUNWAY, runs=3, on_error="ignore")
     assert not (tmp_path / "new").exists()
+
+
+def test_a_damaged_file_is_named_and_made_again(tmp_path, modes, surface):
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=20)
+    whole = stored.read(tmp_path)
+    file = sorted(tmp_path.glob("runs-*.parquet"))[1]
+    file.write_bytes(file.read_bytes()[:1000])
+    with pytest.raises(rm.InputError, match=rf"{file.name} is damaged"):
+        stored.read(tmp_path)
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=20)
+    assert_same_bits(stored.read(tmp_path), whole)
+    assert stored.read(tmp_path, runs=11).run.tolist() == whole.run.tolist()[:11]
+    with pytest.raises(rm.InputError, match="runs = 0"):
+        stored.read(tmp_path, runs=0)
+
+
+def test_missing_arguments_are_named_as_by_any_function(tmp_path, modes, surface):
+    with pytest.raises(TypeError, match="missing keyword argument: 'runs'"):
+        stored.monte_carlo(tmp_path / "new", modes, surface, **RUNWAY)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ._core import InputError
 from .units import THOUSAND, stated
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
 
     from .units import Dimension, Units
@@ -47,6 +50,21 @@ def load_unit(units: Units | None) -> tuple[float, str]:
     if units.force in THOUSAND:
         return 1e3, f" [{THOUSAND[units.force]}]"
     return 1.0, f" [{units.force}]"
+
+
+def shown(argument: str, names: Sequence[str] | None, there: Sequence[str], kind: str) -> list[str]:
+    """Names of what is to be drawn, all that are there by default."""
+    if isinstance(names, str):
+        raise InputError(f"{argument} = {names!r} is one name; give a list, [{names!r}]")
+    wanted = list(there if names is None else names)
+    if not wanted:
+        raise InputError(f"{argument} is empty")
+    for i, name in enumerate(wanted):
+        if name not in there:
+            raise InputError(
+                f"{argument}[{i}] = {name!r}: no such {kind}; there are {tuple(there)}"
+            )
+    return wanted
 
 
 def line_style(i: int) -> tuple[str, str]:

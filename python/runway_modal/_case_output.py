@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import os
 import sys
 from contextlib import contextmanager
 from pathlib import Path
@@ -42,6 +43,14 @@ def told(case: Case, wanted: Mapping[str, str]) -> TextIO:
     if list(wanted.values()).count(STANDARD) > 1:
         raise InputError("--csv - and --json -: standard output takes one of them")
     return sys.stderr if STANDARD in wanted.values() else sys.stdout
+
+
+def say(text: str, stream: TextIO) -> None:
+    """Print; if nobody reads on, the rest goes nowhere, and files are written all the same."""
+    try:
+        print(text, file=stream, flush=True)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def modes_table(case: Case) -> Iterator[str]:

@@ -75,7 +75,10 @@ def read_tracks(
                 before = [float(tracks[name].x[-1]) for name in under if name in tracks]
                 if not before:
                     raise InputError("gap: there is no track before it under its gears")
-                end = max(before) + table.quantity("gap", LENGTH, units)
+                gap = table.quantity("gap", LENGTH, units)
+                if gap < 0.0:
+                    raise InputError(f"gap = {gap!r} is negative")
+                end = max(before) + gap
                 profile = profile.shifted(end - float(profile.x[0]))
             else:
                 profile = profile.shifted(table.quantity("start", LENGTH, units, 0.0))

@@ -62,6 +62,9 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> l
     """Cut the runs of a Monte Carlo; what is wrong with its arguments is said here and now."""
     if not isinstance(roughness, Roughness):
         raise InputError(f"roughness = {roughness!r} is not a Roughness")
+    for key in ("length", "spacing", "speed", "runs", "seed"):
+        if key not in options:
+            raise TypeError(f"missing keyword argument: {key!r}")
     lateral_positions(modes, options.get("tracks", "one"))
     masks(options.get("on_error", "raise"))
     runs = integer("runs", options["runs"], 1)

@@ -6,8 +6,10 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import numpy as np
+
 from . import tables, tables_response
-from ._case_output import STANDARD, modes_table, opened, save_figure, stated_speed, told
+from ._case_output import STANDARD, modes_table, opened, save_figure, say, stated_speed, told
 from ._input import integer
 from .case import Case, read_case
 
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
     from . import nonlinear
+    from .aircraft import Gear
     from .response import Response
 
     #: One run by the text of its speed.
@@ -34,20 +37,32 @@ def run(path: Path, asked: Mapping[str, str | None], runway: int | None = None) 
     wanted = {kind: str(asked[kind] or case.output.get(kind) or "") for kind in KINDS}
     stream = told(case, wanted)
     runs = case.run()
-    print("\n".join(_summary(case, runs)), file=stream)
-    for kind, to in wanted.items():
+    say("\n".join(_summary(case, runs)), stream)
+    # Files first: whoever reads standard output may stop.
+    for kind, to in sorted(wanted.items(), key=lambda item: item[1] == STANDARD):
         if to:
             _WRITERS[kind](case, runs, to)
             if to != STANDARD:
-                print(f"{kind}: {to}", file=stream)
+                say(f"{kind}: {to}", stream)
 
 
 def _summary(case: Case, runs: Runs) -> Iterator[str]:
-    units = case.units
+    units, tracks = case.units, case.tracks or {}
+
+    def steps(gear: Gear) -> bool:
+        return gear.name in tracks and bool((np.diff(tracks[gear.name].x) == 0.0).any())
+
     yield case.title
     yield f"Units: {units.length}, {units.force}, s"
     for note in case.notes:
         yield f"Inferred, not published: {note}"
+    if case.damping_input and case.reference is None:
+        struck = [gear.name for gear in case.modes.aircraft.gears if gear.damping and steps(gear)]
+        if struck:
+            yield (
+                f"WARNING: vertical steps strike the dampers of {', '.join(struck)}: that blow is "
+                "left out; a ramp or [footprint] shows it."
+            )
     yield ""
     if case.reference is not None:
         yield "Nonlinear aircraft; its modes near rest:"

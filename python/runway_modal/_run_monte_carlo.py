@@ -12,7 +12,7 @@ import numpy as np
 
 from . import stored, tables, tables_ensemble
 from ._axes import require
-from ._case_output import STANDARD, modes_table, opened, save_figure, stated_speed, told
+from ._case_output import STANDARD, modes_table, opened, save_figure, say, stated_speed, told
 from ._core import InputError
 from ._input import integer
 from ._progress import progress_bar
@@ -55,14 +55,15 @@ def run(
     stream = told(case, wanted)
     _check(wanted)
     ensembles = _compute(case, random, out, quiet=quiet)
-    print("\n".join(_summary(path, case, random, ensembles)), file=stream)
+    say("\n".join(_summary(path, case, random, ensembles)), stream)
     if out is not None:
-        print(f"runs kept in: {out}", file=stream)
-    for kind, to in wanted.items():
+        say(f"runs kept in: {out}", stream)
+    # Files first: whoever reads standard output may stop.
+    for kind, to in sorted(wanted.items(), key=lambda item: item[1] == STANDARD):
         if to:
             _WRITERS[kind](case, ensembles, to)
             if to != STANDARD:
-                print(f"{kind}: {to}", file=stream)
+                say(f"{kind}: {to}", stream)
 
 
 def _check(wanted: Mapping[str, str]) -> None:

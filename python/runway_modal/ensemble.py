@@ -12,7 +12,7 @@ import numpy as np
 from . import _core
 from ._core import InputError
 from ._input import any_array, array, flag, integer, number, read_only, refuse
-from ._quantities import DIMENSIONS, DOWNWARD
+from ._quantities import DIMENSIONS, DOWNWARD, labels
 from .modes import Modes, check_modes
 
 if TYPE_CHECKING:
@@ -185,15 +185,17 @@ class Ensemble:
             failures=dict(sorted({**self.failures, **other.failures}.items())),
         )
 
-    def _sorted(self, quantity: str) -> NDArray[np.float64]:
-        """Values of a quantity over the valid runs, ascending, a column a gear or station."""
+    def _of(self, quantity: str) -> NDArray[np.float64]:
+        """Values of a quantity, a row a run, a column a gear or station."""
         if quantity not in DIMENSIONS:
             there = tuple(DIMENSIONS)
             raise InputError(f"quantity = {quantity!r}: no such quantity; there are {there}")
         values = getattr(self, quantity)
-        if isinstance(values, dict):
-            values = np.column_stack(list(values.values()))
-        values = values[self.valid]
+        return np.column_stack(list(values.values())) if isinstance(values, dict) else values
+
+    def _sorted(self, quantity: str) -> NDArray[np.float64]:
+        """Values of a quantity over the valid runs, ascending, a column a gear or station."""
+        values = self._of(quantity)[self.valid]
         if values.shape[0] == 0:
             raise InputError("no run could be computed")
         return np.asarray(np.sort(values, axis=0))
@@ -342,16 +344,20 @@ class Ensemble:
             high=read_only(np.clip(centre + half, share, 1.0)),
         )
 
-    def worst(self, gear: str, count: int = 10) -> NDArray[np.int64]:
+    def worst(self, at: str, count: int = 10, *, quantity: str = "max_load") -> NDArray[np.int64]:
         """
-        Name the runs with the largest loads of a gear, worst first.
+        Name the runs that are worst for a gear or station, worst first.
+
+        Worst are the largest values, of smallest loads the smallest.
 
         Parameters
         ----------
-        gear : str
-            Name of the gear.
+        at : str
+            Name of the gear, or of the station for accelerations.
         count : int
             How many runs.
+        quantity : str
+            One of "max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration".
 
         Returns
         -------
@@ -361,7 +367,7 @@ class Ensemble:
         Raises
         ------
         InputError
-            If there is no such gear, or the count is no whole number ≥ 0.
+            If there is no such gear, station or quantity, or the count is no whole number ≥ 0.
 
         Examples
         --------
@@ -376,10 +382,14 @@ class Ensemble:
         >>> bool(ensemble.max_load[row, 1] == ensemble.max_load[:, 1].max())
         True
         """
-        if gear not in self.gear_names:
-            raise InputError(f"gear = {gear!r}: no such gear; there are {self.gear_names}")
-        loads = self.max_load[self.valid, self.gear_names.index(gear)]
-        order = np.argsort(-loads, kind="stable")[: integer("count", count, 0)]
+        values = self._of(quantity)
+        names = labels(self, quantity)
+        if at not in names:
+            kind = "gear" if names is self.gear_names else "station"
+            raise InputError(f"at = {at!r}: no such {kind}; there are {names}")
+        column = values[self.valid, names.index(at)]
+        rising = column if quantity in DOWNWARD else -column
+        order = np.argsort(rising, kind="stable")[: integer("count", count, 0)]
         return np.asarray(self.run[self.valid][order])
 
     def plot(

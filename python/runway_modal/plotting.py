@@ -15,6 +15,7 @@ from ._axes import (
     mark_static,
     new_axes,
     require,
+    shown,
 )
 from ._core import InputError
 from .units import LENGTH, TIME
@@ -106,8 +107,8 @@ def plot_loads(
     response: Results, gears: Sequence[str] | None, ax: Axes | None, units: Units | None
 ) -> Axes:
     """Draw what `Response.plot` documents."""
-    shown = response.aircraft.gear_names if gears is None else gears
-    columns = _columns(response, {gear: gear for gear in shown})
+    names = shown("gears", gears, response.aircraft.gear_names, "gear")
+    columns = _columns(response, {gear: gear for gear in names})
     ax = ax or new_axes()
     _draw_loads(ax, [(gear, response, column) for gear, column in columns], units, "time")
     ax.set_xlabel(axis_label("time", TIME, units))
@@ -117,9 +118,7 @@ def plot_loads(
 def _columns(response: Results, gears: Mapping[str, str]) -> list[tuple[str, int]]:
     """Label and column of each gear."""
     names = response.aircraft.gear_names
-    for i, gear in enumerate(gears):
-        if gear not in names:
-            raise InputError(f"gears[{i}] = {gear!r}: no such gear; there are {names}")
+    shown("gears", list(gears), names, "gear")
     return [(label, names.index(gear)) for gear, label in gears.items()]
 
 

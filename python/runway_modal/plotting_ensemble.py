@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._axes import line_style, load_unit, nested_width, new_axes, require
+from ._axes import line_style, load_unit, nested_width, new_axes, require, shown
 from ._core import InputError
 from ._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
 from .units import FORCE, stated
@@ -87,19 +87,19 @@ def plot_histogram(
 ) -> Axes:
     """Draw what `Ensemble.plot` documents."""
     values = ensemble._sorted(quantity)
-    shown = _columns(ensemble, quantity, names)
+    columns = _columns(ensemble, quantity, names)
     ax = ax or new_axes()
     scale, unit = _scale(quantity, units)
-    for i, (name, column) in enumerate(shown):
+    for i, (name, column) in enumerate(columns):
         (color, dashes), drawn = line_style(i), values[:, column] / scale
         bins = min(_BINS, len(np.histogram_bin_edges(drawn, "auto")) - 1)
         ax.hist(drawn, bins, density=True, histtype="stepfilled", fc=color, alpha=0.12)
         ax.hist(
             drawn, bins, density=True, histtype="step", ec=color, ls=dashes,
-            lw=nested_width(i, len(shown)), label=name,
+            lw=nested_width(i, len(columns)), label=name,
         )  # fmt: skip
     if quantity in ("max_load", "min_load"):
-        _mark_static(ax, ensemble, shown, scale)
+        _mark_static(ax, ensemble, columns, scale)
     if quantity == "min_load":
         ax.axvline(0.0, color="0.35", lw=0.9)
     ax.set_xlabel(f"{LABELS[quantity]}{f' [{unit}]' if unit else ''}")
@@ -110,17 +110,17 @@ def plot_histogram(
 
 
 def _mark_static(
-    ax: Axes, ensemble: Ensemble, shown: Sequence[tuple[str, int]], scale: float
+    ax: Axes, ensemble: Ensemble, columns: Sequence[tuple[str, int]], scale: float
 ) -> None:
     """Mark static loads by lines, each once; of runs with aircraft of their own there is none."""
     static = ensemble.static_load[0]
     if not (ensemble.static_load == static).all():
         return
     gears: dict[float, list[int]] = {}
-    for i, (_, column) in enumerate(shown):
+    for i, (_, column) in enumerate(columns):
         gears.setdefault(float(static[column]), []).append(i)
     for load, which in gears.items():
-        label = f"{', '.join(shown[i][0] for i in which)}, static"
+        label = f"{', '.join(columns[i][0] for i in which)}, static"
         color, _ = line_style(which[0])
         ax.axvline(load / scale, color=color, lw=1.1, ls=(0, (6, 3)), label=label)
 
@@ -135,19 +135,19 @@ def plot_exceedance(
 ) -> Axes:
     """Draw what `Ensemble.plot_exceedance` documents."""
     values = ensemble._sorted(quantity)
-    shown = _columns(ensemble, quantity, names)
+    columns = _columns(ensemble, quantity, names)
     ax = ax or new_axes()
     scale, unit = _scale(quantity, units)
     runs, below = values.shape[0], quantity in DOWNWARD
     # As close in every power of ten; the last step ends at the extreme of all runs.
     counts = np.unique(np.geomspace(1, runs, _LEVELS).astype(int))
-    for i, (name, column) in enumerate(shown):
+    for i, (name, column) in enumerate(columns):
         one = values[:, column]
         levels = one[counts - 1] if below else one[(runs - 1 - counts[counts < runs])[::-1]]
         levels = np.unique(np.concatenate((one[:1], levels)))
         found = ensemble.exceedance(quantity, levels, confidence=confidence)
         share, low, high = (part[:, column] for part in (found.value, found.low, found.high))
-        (color, dashes), width = line_style(i), nested_width(i, len(shown))
+        (color, dashes), width = line_style(i), nested_width(i, len(columns))
         at = np.append(levels, one[-1]) / scale
         share, low, high = (np.append(part, part[-1]) for part in (share, low, high))
         ax.plot(at, share, color, ls=dashes, lw=width, drawstyle="steps-post", label=name)
@@ -166,12 +166,8 @@ def _columns(
 ) -> list[tuple[str, int]]:
     """Names and columns of what is to be shown."""
     there = labels(ensemble, quantity)
-    shown = there if names is None else names
-    for i, name in enumerate(shown):
-        if name not in there:
-            kind = "gear" if DIMENSIONS[quantity] == FORCE else "station"
-            raise InputError(f"names[{i}] = {name!r}: no such {kind}; there are {there}")
-    return [(name, there.index(name)) for name in shown]
+    kind = "gear" if DIMENSIONS[quantity] == FORCE else "station"
+    return [(name, there.index(name)) for name in shown("names", names, there, kind)]
 
 
 def _scale(quantity: str, units: Units | None) -> tuple[float, str]:

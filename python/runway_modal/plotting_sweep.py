@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._axes import legend_above, line_style, load_unit, mark_static, nested_width, new_axes
+from ._axes import legend_above, line_style, load_unit, mark_static, nested_width, new_axes, shown
 from .units import SPEED, stated
 
 if TYPE_CHECKING:
@@ -28,15 +28,15 @@ def plot_loads(
 ) -> Axes:
     """Draw what `Sweep.plot` documents."""
     names = sweep.modes.aircraft.gear_names
+    wanted = shown("gears", gears, names, "gear")
     ax = ax or new_axes()
     scale, unit = load_unit(units)
     order = np.argsort(sweep.speed)
     speed = _speed(ax, sweep.speed[order], units)
-    shown = names if gears is None else gears
-    for i, gear in enumerate(shown):
+    for i, gear in enumerate(wanted):
         column = names.index(gear)
         color, dashes = line_style(i)
-        width = nested_width(i, len(shown))
+        width = nested_width(i, len(wanted))
         low, high = sweep.min_load[order, column] / scale, sweep.max_load[order, column] / scale
         ax.plot(speed, high, color, ls=dashes, lw=width, label=gear)
         ax.plot(speed, low, color, ls=dashes, lw=width)
@@ -55,10 +55,11 @@ def plot_accelerations(
     sweep: Sweep, stations: Sequence[str] | None, ax: Axes | None, units: Units | None
 ) -> Axes:
     """Draw what `Sweep.plot_acceleration` documents."""
+    wanted = shown("stations", stations, tuple(sweep.max_acceleration), "station")
     ax = ax or new_axes()
     order = np.argsort(sweep.speed)
     speed = _speed(ax, sweep.speed[order], units)
-    for i, station in enumerate(sweep.max_acceleration if stations is None else stations):
+    for i, station in enumerate(wanted):
         share = sweep.max_acceleration[station][order] / sweep.modes.aircraft.gravity
         color, dashes = line_style(i)
         ax.plot(speed, share, color, ls=dashes, lw=1.3, label=station)

@@ -458,6 +458,8 @@ class Profile:
         array([   0.,   12.,  108.,  120.,  720.,  722.,  742.,  744., 1344.,
                1356., 1452., 1464.])
         """
+        if isinstance(profiles, Profile):
+            raise InputError(f"profiles = {profiles!r} is not a sequence of them")
         given = list(profiles)
         if not given:
             raise InputError("profiles is empty")
@@ -489,6 +491,10 @@ class Profile:
         if not isinstance(other, Profile):
             return NotImplemented
         return self._wrap(self._core.sum(other._core))
+
+    def __radd__(self, other: object) -> Profile:
+        """Begin a sum, ``sum(profiles)``, which starts at 0."""
+        return self if isinstance(other, int) and other == 0 else NotImplemented
 
     def shifted(self, dx: float) -> Profile:
         """

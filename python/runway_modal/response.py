@@ -26,8 +26,9 @@ class Extremes:
     """
     True extremes of a response over its time span, between samples too.
 
-    Found as zeros of the derivative of the continuous solution. At a vertical step both
-    sides count; of equal peaks the first. `Response.extremes` makes it.
+    Found as zeros of the derivative of the continuous solution. Where results jump both sides
+    count, but not the blow of a vertical step on dampers (`simulate`); of equal peaks the first.
+    `Response.extremes` makes it.
 
     Parameters
     ----------
@@ -226,7 +227,7 @@ class Response(Shown):
         Parameters
         ----------
         times : array_like, shape (k,), or float
-            Never decreasing [time].
+            Never decreasing [time]. At the time of a jump the row shows what follows.
 
         Returns
         -------

@@ -366,6 +366,7 @@ class Roughness:
         3
         """
         y = lateral_positions(modes, tracks)
+        run = integer("run", run, 0, _NUMBERS)
         elevations = self.elevations(
             length=length, spacing=spacing, runs=1, seed=seed, first_run=run, y=y
         )[0]
@@ -384,6 +385,14 @@ class Roughness:
             y,
             integer("seed", seed, 0, _NUMBERS),
         )
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are made of the same numbers in the same way."""
+        return self._rebuild == other._rebuild if isinstance(other, Roughness) else NotImplemented
+
+    def __hash__(self) -> int:
+        """Hash of what the spectrum was made of."""
+        return hash(self._rebuild)
 
     def __reduce__(self) -> tuple[Callable[..., Roughness], tuple[Any, ...]]:
         """Pickle by what the spectrum was made of."""

@@ -46,8 +46,10 @@ def simulate(
     speed : float
         Ground speed, constant, > 0 [length/time].
     times : array_like, shape (n,), optional
-        When to sample, never decreasing [time]. Default: every breakpoint of every gear, both
-        sides of a vertical step, and at least 20 points a period of the fastest mode.
+        When to sample, never decreasing [time]. Default: every breakpoint of every gear and at
+        least 20 points a period of the fastest mode. Where results jump, both sides: the last
+        instant before, and the time of the jump with what follows. They jump at vertical steps
+        and, with the dampers' `damping_input`, wherever a slope changes.
     duration : float, optional
         End of the default times [time]. Default: 5 after the last gear has passed the last
         breakpoint.
@@ -73,8 +75,9 @@ def simulate(
 
     Notes
     -----
-    A vertical step with `damping_input` gives the aircraft a blow; the infinite load of that
-    instant is not part of the results.
+    A vertical step under a damped gear with `damping_input` gives the aircraft a blow. The infinite
+    load of that instant is not part of the results, so a sharp edge may seem milder than a steep
+    ramp: give it one, or take `Profile.footprint`.
 
     Examples
     --------

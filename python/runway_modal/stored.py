@@ -186,9 +186,13 @@ def _holds(file: Path, runs: int) -> bool:
     """Whether a file has so many runs: the last one of an earlier call may have fewer."""
     if not file.exists():
         return False
+    from pyarrow import ArrowInvalid
     from pyarrow.parquet import read_metadata
 
-    return bool(read_metadata(file).num_rows >= runs)
+    try:
+        return bool(read_metadata(file).num_rows >= runs)
+    except ArrowInvalid:  # damaged: made again
+        return False
 
 
 def _write(file: Path, part: Chunk) -> None:
@@ -203,8 +207,12 @@ def _write(file: Path, part: Chunk) -> None:
 
 def _read(file: Path, common: dict[str, Any], last: int | None) -> Ensemble:
     import pandas as pd
+    from pyarrow import ArrowInvalid
 
-    frame = pd.read_parquet(file).loc[:last]
+    try:
+        frame = pd.read_parquet(file).loc[:last]
+    except ArrowInvalid as error:
+        raise InputError(f"{file} is damaged, `monte_carlo` makes it again: {error}") from None
 
     def named(quantity: str) -> dict[str, Any]:
         start = f"{quantity}_"

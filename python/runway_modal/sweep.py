@@ -125,10 +125,6 @@ class Sweep:
         """
         from .plotting_sweep import plot_loads
 
-        names = self.modes.aircraft.gear_names
-        for i, gear in enumerate(gears or ()):
-            if gear not in names:
-                raise InputError(f"gears[{i}] = {gear!r}: no such gear; there are {names}")
         return plot_loads(self, gears, ax, units)
 
     def plot_acceleration(
@@ -176,10 +172,6 @@ class Sweep:
         """
         from .plotting_sweep import plot_accelerations
 
-        names = tuple(self.max_acceleration)
-        for i, station in enumerate(stations or ()):
-            if station not in names:
-                raise InputError(f"stations[{i}] = {station!r}: no such station; there are {names}")
         if not self.modes.aircraft.gravity:
             raise InputError("sweep: the aircraft's gravity is 0, there is no g to draw in")
         return plot_accelerations(self, stations, ax, units)
@@ -302,7 +294,8 @@ def sweep(
     Notes
     -----
     Each run lasts from 0 or the first breakpoint until 5 after the last gear has passed the last
-    breakpoint [time], as by default in `simulate`.
+    breakpoint [time], as by default in `simulate`. With `damping_input` the blow of a vertical step
+    is left out, as there.
 
     Examples
     --------
@@ -443,8 +436,8 @@ def worst_speed(
     With the dampers' input g = φᵀC₁(u - u at the start), p̈₀ stands for its part without ġ₀, and
     -(ρ - 1) ġ joins the right side, whose effect the largest |g| and the impulse response's
     derivatives bound; a load changes by (ρ - 1) c u̇₀ besides. So steep ramps and elevations far
-    from the first one cost runs. At vertical steps values are those before and after, as in
-    `simulate`.
+    from the first one cost runs. At vertical steps values are those before and after; the blow on
+    dampers is left out, as in `simulate`.
 
     The number of runs grows with the length of the profile in periods up to about 1/(2ζ) of them,
     and as 1/√tolerance when that is small.

@@ -112,7 +112,9 @@ def simulate(
         raise InputError(f"rtol = {rtol!r} is not between 1e-11 and 1e-2")
     modes = aircraft.linearised().modes(0.0)
     # It checks the arguments, knows the default times and gives each scale its size.
-    reference = simulate_linear(modes, tracks, speed, times=times, duration=duration)
+    reference = simulate_linear(
+        modes, tracks, speed, times=times, duration=duration, damping_input=True
+    )
     profiles = by_gear(aircraft.gear_names, tracks)
     front = max(gear.x for gear in aircraft.gears)
     ground = stretches(profiles, [front - gear.x for gear in aircraft.gears], speed)

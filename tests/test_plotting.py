@@ -54,6 +54,32 @@ def test_gears_over_the_same_track_share_a_line() -> None:
     assert mains.get_label() == "under the left gear, right gear"
 
 
+def test_runs_over_other_ground_have_lines_of_their_own() -> None:
+    modes, mat = rm.f4e().modes(0.01), rm.Profile.full_mat()
+    fast = rm.simulate(modes, mat, rm.knots(60))
+    spall = rm.simulate(modes, rm.Profile.spall(200.0, 1.5), rm.knots(20))
+
+    def grounds(runs, against):
+        figure = loads_over_profile(runs, {"nose": "nose"}, against=against)
+        return [line.get_label() for line in figure.axes[-1].get_lines()]
+
+    speeds = {"20 kt": RESPONSE, "60 kt": fast}
+    assert grounds(speeds, "time") == ["under the nose, 20 kt", "under the nose, 60 kt"]
+    assert grounds(speeds, "distance") == ["under the nose"]
+    both = {"mat": RESPONSE, "spall": spall}
+    assert set(grounds(both, "time")) == {"under the nose, mat", "under the nose, spall"}
+    # A short spall on a long way is other ground than none.
+    level = rm.simulate(modes, rm.Profile([0, 1e6], [0, 0]), rm.knots(20), duration=1000.0)
+    short = rm.simulate(modes, rm.Profile.two_foot_spall(), rm.knots(20), duration=1000.0)
+    assert len(grounds({"level": level, "spall": short}, "time")) == 2
+    other = rm.simulate(rm.f4e("equivalent").modes(0.01), mat, rm.knots(20))
+    assert grounds({"Table 3": RESPONSE, "Table 4": other}, "time") == ["under the nose"]
+    with pytest.raises(rm.InputError, match=r"responses = .* is not a mapping"):
+        loads_over_profile([RESPONSE], {"nose": ""})
+    with pytest.raises(rm.InputError, match="against = 'load' is neither"):
+        loads_over_profile(speeds, {"nose": ""}, against="load")
+
+
 def test_linear_and_nonlinear_runs_in_one_figure() -> None:
     runs = {"linear": RESPONSE, "nonlinear": NONLINEAR}
     figure = loads_over_profile(runs, {"left": "Main gear"}, units=INCHES)

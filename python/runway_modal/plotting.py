@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -21,7 +22,7 @@ from ._core import InputError
 from .units import LENGTH, TIME
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -46,7 +47,8 @@ def loads_over_profile(
     Parameters
     ----------
     responses : mapping of str to Response
-        Runs, linear or not, over the same tracks, by the label of their line.
+        Runs, linear or not, by the label of their line. Where their tracks differ, or their speeds
+        if against time, each has its elevations.
     gears : mapping of str to str
         Gears to show, one panel each, by the title of their panel.
     title : str
@@ -80,8 +82,12 @@ def loads_over_profile(
     require()
     from matplotlib.figure import Figure
 
+    if not isinstance(responses, Mapping):
+        raise InputError(f"responses = {responses!r} is not a mapping from labels to responses")
     if not responses:
         raise InputError("responses is empty")
+    if against not in ("time", "distance"):
+        raise InputError(f"against = {against!r} is neither 'time' nor 'distance'")
     columns = _columns(next(iter(responses.values())), gears)
     heights = [3.0] * len(gears) + [1.2]
     figure = Figure(figsize=(8.0, 2.6 * len(gears) + 1.8), layout="constrained")
@@ -89,9 +95,7 @@ def loads_over_profile(
     for panel, (label, column) in zip(panels, columns, strict=True):
         _draw_loads(panel, [(name, run, column) for name, run in responses.items()], units, against)
         panel.set_ylabel(f"{label} {panel.get_ylabel()}")
-    # Over distance the tracks are the same for all; the longest run shows most of them.
-    longest = max(responses.values(), key=lambda run: float(getattr(run, against)[-1]))
-    _draw_elevations(ground, longest, columns, units, against)
+    _draw_elevations(ground, responses, columns, units, against)
     ends = np.array([getattr(run, against)[[0, -1]] for run in responses.values()])
     ground.set_xlim(ends.min(), ends.max())
     if against == "time":
@@ -152,30 +156,59 @@ def _draw_loads(
 
 def _draw_elevations(
     ax: Axes,
-    response: Results,
+    responses: Mapping[str, Results],
     columns: Sequence[tuple[str, int]],
     units: Units | None,
     against: str,
 ) -> None:
-    """Draw the elevations under gears by label; gears over the same share a line."""
-    lines: dict[bytes, tuple[NDArray[np.float64], list[str]]] = {}
-    for label, column in columns:
-        elevation = response.elevation[:, column]
-        lines.setdefault(elevation.tobytes(), (elevation, []))[1].append(label)
-    for i, (elevation, labels) in enumerate(lines.values()):
-        # A title's word goes on in small letters, a letter that is a name does not.
-        words = (each[0].lower() + each[1:] if each[1:2].islower() else each for each in labels)
-        names = ", ".join(words)
-        ax.plot(
-            getattr(response, against), elevation, "k", ls=("-", "--", ":", "-.")[i % 4], lw=1.1,
-            label=f"under the {names}",
-        )  # fmt: skip
-    low, high = min(0.0, response.elevation.min()), max(0.0, response.elevation.max())
+    """Draw the elevations under gears by label; gears and runs over the same share a line."""
+    grounds: dict[str, Results] = {}
+    # The longest run shows most.
+    for name, run in sorted(responses.items(), key=lambda item: -getattr(item[1], against)[-1]):
+        if not any(_same_ground(there, run, columns, against) for there in grounds.values()):
+            grounds[name] = run
+    drawn: list[NDArray[np.float64]] = []
+    for run_name, response in grounds.items():
+        lines: dict[bytes, tuple[NDArray[np.float64], list[str]]] = {}
+        for label, column in columns:
+            elevation = response.elevation[:, column]
+            lines.setdefault(elevation.tobytes(), (elevation, []))[1].append(label)
+        for elevation, labels in lines.values():
+            # A title's word goes on in small letters, a letter that is a name does not.
+            words = (each[0].lower() + each[1:] if each[1:2].islower() else each for each in labels)
+            of_run = f", {run_name}" if len(grounds) > 1 else ""
+            ax.plot(
+                getattr(response, against), elevation, "k",
+                ls=("-", "--", ":", "-.")[len(drawn) % 4], lw=1.1,
+                label=f"under the {', '.join(words)}{of_run}",
+            )  # fmt: skip
+            drawn.append(elevation)
+    low, high = min(0.0, *map(np.min, drawn)), max(0.0, *map(np.max, drawn))
     height = high - low or 1.0
     ax.set_ylim(low - 0.15 * height, high + 0.9 * height)
     ax.set_ylabel(axis_label("elevation", LENGTH, units))
-    ax.legend(loc="upper right", ncols=3, frameon=False, fontsize="small")
+    ax.legend(
+        loc="upper right", ncols=3 if len(grounds) == 1 else 1, frameon=False, fontsize="small"
+    )
     ax.grid(alpha=0.25)
+
+
+def _same_ground(
+    one: Results, other: Results, columns: Sequence[tuple[str, int]], against: str
+) -> bool:
+    """Whether two runs meet the same elevations at the same time or distance."""
+    at, there = getattr(one, against), getattr(other, against)
+
+    def area(height: NDArray[np.float64]) -> float:
+        return float(abs(height[1:] + height[:-1]) @ np.diff(at))
+
+    for _, column in columns:
+        mine = one.elevation[:, column]
+        others = np.interp(at, there, other.elevation[:, column])
+        # By the area between: at a step samples may show either side.
+        if area(others - mine) > 0.01 * max(area(mine - mine[0]), area(others - mine[0])):
+            return False
+    return True
 
 
 def plot_profile(profile: Profile, ax: Axes | None, units: Units | None) -> Axes:

@@ -229,3 +229,20 @@ def test_progress_is_told_and_changes_no_bit() -> None:
     for key in ("max_acceleration", "rms_acceleration"):
         np.testing.assert_array_equal(getattr(told, key)["cg"], getattr(silent, key)["cg"])
     assert told.setup == silent.setup
+
+
+def test_estimates_name_their_rows_and_columns() -> None:
+    levels = [30_000.0, 35_000.0]
+    found = ENSEMBLE.exceedance("max_load", levels)
+    assert found.names == ENSEMBLE.gear_names
+    np.testing.assert_array_equal(found.asked, levels)
+    head, *rows = (line.split() for line in repr(found).splitlines())
+    assert head == ["nose", "left", "right"]
+    assert [row[0] for row in rows] == ["30000", "from", "to", "35000", "from", "to"]
+    np.testing.assert_allclose([float(v) for v in rows[3][1:]], found.value[1], rtol=1e-5)
+    np.testing.assert_allclose([float(v) for v in rows[5][1:]], found.high[1], rtol=1e-5)
+    mean = ENSEMBLE.mean("rms_acceleration")
+    assert mean.names == ("cg", "pilot")
+    assert np.isnan(mean.asked).all()
+    assert repr(mean).splitlines()[1].split()[0] == "mean"
+    np.testing.assert_array_equal(ENSEMBLE.quantile("min_load", 0.5).asked, [0.5])

@@ -313,3 +313,16 @@ def test_default_times_show_both_sides_where_dampers_make_loads_jump(speed, rati
     # Without dampers nothing jumps; the first instant has no other side.
     plain = rm.simulate(modes, mat, rm.knots(speed)).time
     assert plain.size == response.time.size - 3
+
+
+def test_extremes_show_names_and_numbers() -> None:
+    response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+    found = response.extremes()
+    lines = [line.split() for line in repr(found).splitlines()]
+    assert [line[0] for line in lines] == ["gear", "nose", "left", "right", "station", "cg"]
+    for row, name in enumerate(found.gear_names):
+        numbers = [float(text) for text in lines[1 + row][1:]]
+        expected = [found.max_load, found.time_of_max, found.min_load, found.time_of_min]
+        np.testing.assert_allclose(numbers, [each[row] for each in expected], rtol=1e-5)
+        assert lines[1 + row][0] == name
+    assert float(lines[5][-2]) == pytest.approx(found.max_acceleration["cg"], rel=1e-5)

@@ -13,6 +13,7 @@ from . import _core
 from ._core import InputError
 from ._input import any_array, array, flag, integer, number, read_only, refuse
 from ._quantities import DIMENSIONS, DOWNWARD, labels
+from ._text import table
 from .modes import Modes, check_modes
 
 if TYPE_CHECKING:
@@ -26,13 +27,17 @@ if TYPE_CHECKING:
     from .units import Units
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Estimate:
     """
     What a sample of runs tells, with its confidence interval.
 
     Parameters
     ----------
+    names : tuple of str
+        The gears or stations, in the order of the columns.
+    asked : ndarray, shape (k,)
+        The probabilities or levels asked for, in the order of the rows; NaN of a mean.
     value : ndarray, shape (k, c)
         A row a probability or level asked for, or the one of a mean; a column a gear or station.
     low : ndarray, shape (k, c)
@@ -48,11 +53,26 @@ class Estimate:
     >>> median = ensemble.quantile("max_load", 0.5)
     >>> bool((median.low < median.value).all() and (median.value < median.high).all())
     True
+    >>> ensemble.exceedance("max_load", 27e3)
+               nose    left   right
+    27000         0    0.38    0.38
+      from        0  0.2586  0.2586
+      to    0.0713  0.5184  0.5184
     """
 
+    names: tuple[str, ...]
+    asked: NDArray[np.float64]
     value: NDArray[np.float64]
     low: NDArray[np.float64]
     high: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        """Make a table: a line a row, and its interval."""
+        rows: list[tuple[str | float, ...]] = [("", *self.names)]
+        for asked, *parts in zip(self.asked, self.value, self.low, self.high, strict=True):
+            heads = ("mean" if np.isnan(asked) else f"{asked:g}", "  from", "  to")
+            rows += [(head, *part) for head, part in zip(heads, parts, strict=True)]
+        return table(rows)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -236,7 +256,11 @@ class Ensemble:
         if runs > 1:
             half = _normal(confidence) * values.std(axis=0, ddof=1, keepdims=True) / math.sqrt(runs)
         return Estimate(
-            value=read_only(mean), low=read_only(mean - half), high=read_only(mean + half)
+            names=labels(self, quantity),
+            asked=read_only(np.array([np.nan])),
+            value=read_only(mean),
+            low=read_only(mean - half),
+            high=read_only(mean + half),
         )
 
     def quantile(
@@ -286,6 +310,8 @@ class Ensemble:
         )
         ranks = np.array([_ranks(runs, float(p), tail) for p in asked], int).reshape(-1, 2)
         return Estimate(
+            names=labels(self, quantity),
+            asked=read_only(asked.copy()),
             value=read_only(np.quantile(values, asked, axis=0)),
             low=read_only(bounded[ranks[:, 0]]),
             high=read_only(bounded[ranks[:, 1]]),
@@ -339,6 +365,8 @@ class Ensemble:
         centre = (share + z * z / (2 * runs)) / (1 + z * z / runs)
         half = z / (1 + z * z / runs) * np.sqrt(share * (1 - share) / runs + (z / (2 * runs)) ** 2)
         return Estimate(
+            names=labels(self, quantity),
+            asked=read_only(levels.copy()),
             value=read_only(share),
             low=read_only(np.clip(centre - half, 0.0, share)),
             high=read_only(np.clip(centre + half, share, 1.0)),

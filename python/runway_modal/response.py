@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ._input import any_array, array, read_only
 from ._results import Shown
+from ._text import table
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from .modes import Modes
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Extremes:
     """
     True extremes of a response over its time span, between samples too.
@@ -53,7 +54,7 @@ class Extremes:
     >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
     >>> response.extremes().time_of_max.round(2)
     array([2.71, 3.27, 3.27])
-    >>> print(response.extremes())
+    >>> response.extremes()
     gear       max_load          at    min_load          at
     nose        12939.7     2.70978     4915.21     4.02387
     left        43685.9     3.26619     3516.15     3.00471
@@ -70,21 +71,17 @@ class Extremes:
     max_acceleration: dict[str, float]
     time_of_max_acceleration: dict[str, float]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         """Make a table: a line a gear, a line a station."""
         loads = (self.max_load, self.time_of_max, self.min_load, self.time_of_min)
         accelerations = (self.max_acceleration.values(), self.time_of_max_acceleration.values())
-        rows: list[tuple[Any, ...]] = [
-            ("gear", "max_load", "at", "min_load", "at"),
-            *zip(self.gear_names, *loads, strict=True),
-            ("station", "max |acc.|", "at"),
-            *zip(self.max_acceleration, *accelerations, strict=True),
-        ]
-        width = max(len(name) for name, *_ in rows)
-        return "\n".join(
-            name.ljust(width)
-            + "".join(f"{cell if isinstance(cell, str) else f'{cell:.6g}':>12}" for cell in cells)
-            for name, *cells in rows
+        return table(
+            [
+                ("gear", "max_load", "at", "min_load", "at"),
+                *zip(self.gear_names, *loads, strict=True),
+                ("station", "max |acc.|", "at"),
+                *zip(self.max_acceleration, *accelerations, strict=True),
+            ]
         )
 
 

@@ -247,19 +247,19 @@ impl Profile {
             }
             None => (0.0, 0.0),
         };
-        let mut course = Course::new(&stations);
+        let mut draft = Draft::new(&stations);
         let (mut behind, mut here, mut last) = (0.0, ahead(0), stations[0]);
         for (i, &station) in stations.iter().enumerate() {
             let (next, (slope, steep)) = (ahead(i + 1), here);
             let z = f(self.elevation_before(station), other.elevation_before(station));
-            course.go_on((station, z), (station - last) * slope, steep.max(behind).max(next.1));
+            draft.go_on((station, z), (station - last) * slope, steep.max(behind).max(next.1));
             (behind, here, last) = (steep, next, station);
             // Both sides of a step, whose breakpoint may be the first or the last.
             if self.steps_at(station) || other.steps_at(station) {
-                course.step(f(self.elevation(station), other.elevation(station)));
+                draft.step(f(self.elevation(station), other.elevation(station)));
             }
         }
-        Self::new(course.x, course.z)
+        Self::new(draft.x, draft.z)
     }
 
     /// Slope of the line that ends at a station or goes on there.
@@ -297,8 +297,8 @@ impl Profile {
         let front = low.shifted(-0.5 * length)?;
         let back = low.shifted(0.5 * length)?;
         let slope = front.combine(&back, |f, b| (f - b) / length)?;
-        let mut course = Course::new(&slope.x);
-        course.go_on((slope.x[0], base), 0.0, 0.0);
+        let mut draft = Draft::new(&slope.x);
+        draft.go_on((slope.x[0], base), 0.0, 0.0);
         let (mut mean, mut added) = (0.0, 0.0);
         for i in 1..slope.x.len() {
             let run = slope.x[i] - slope.x[i - 1];
@@ -319,11 +319,11 @@ impl Profile {
                 let station = if share < 1.0 { slope.x[i - 1] + run * share } else { slope.x[i] };
                 let height = mean + run * share * (start + 0.5 * change * share);
                 let rise = run / chords * (start + change * middle);
-                course.go_on((station, base + height), rise, steepest);
+                draft.go_on((station, base + height), rise, steepest);
             }
             mean += run * (start + 0.5 * change);
         }
-        let Course { mut x, mut z, .. } = course;
+        let Draft { mut x, mut z, .. } = draft;
         // The sum of all pieces, less their rounding; where they end, if the last one was too short.
         let last = x.len() - 1;
         (x[last], z[last]) = (slope.x[slope.x.len() - 1], self.z[self.z.len() - 1]);
@@ -342,7 +342,7 @@ const WRONG: f64 = 1.0 / 256.0;
 /// Between stations that are one but for rounding the elevations would give a slope of nothing but
 /// rounding, and a gear's damper feels slopes. There the later breakpoint is put on the earlier one,
 /// which moves the profile by some last digits of its elevation.
-struct Course {
+struct Draft {
     x: Vec<f64>,
     z: Vec<f64>,
     near: f64,
@@ -351,7 +351,7 @@ struct Course {
     steepest: f64,
 }
 
-impl Course {
+impl Draft {
     /// Through so many stations, or more.
     fn new(stations: &[f64]) -> Self {
         let (x, z) = (Vec::with_capacity(stations.len()), Vec::with_capacity(stations.len()));

@@ -144,7 +144,7 @@ class Shown:
         xarray.Dataset
             Variables distance, load, elevation, bounce, pitch, roll, acceleration and
             static_load over time, gear and station; of a nonlinear run stiffness, too. A
-            vertical step has two times, the last double before it and its own.
+            jump has two times, the last double before it and its own.
 
         Raises
         ------

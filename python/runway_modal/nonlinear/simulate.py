@@ -72,8 +72,8 @@ def simulate(
         Ground speed, constant, > 0 [length/time].
     times : array_like, shape (n,), optional
         When to sample, never decreasing [time]. Default: every breakpoint of every gear, both
-        sides of a vertical step, and at least 20 points a period of the fastest mode that
-        `Aircraft.linearised` has.
+        sides of it where results jump, at vertical steps and under dampers, and at least 20
+        points a period of the fastest mode that `Aircraft.linearised` has.
     duration : float, optional
         End of the default times [time]. Default: 5 after the last gear has passed the last
         breakpoint.

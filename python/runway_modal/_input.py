@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,8 @@ import numpy as np
 from ._core import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
 
@@ -58,6 +61,10 @@ def flag(argument: str, value: Any) -> bool:
 def array(argument: str, values: ArrayLike, ndim: int | None = 1) -> NDArray[np.float64]:
     """Pass real numbers as a C-ordered float64 array of `ndim` dimensions, None for any number."""
     given = any_array(argument, values)
+    if given.dtype == object:
+        for place, value in np.ndenumerate(given):
+            if not isinstance(value, Real):
+                raise InputError(f"{argument}{_where(place)} = {value!r} is not a real number")
     if given.dtype.kind not in "biuf":
         what = "text" if given.dtype.kind in "US" else given.dtype
         raise InputError(f"{argument} holds {what}, not real numbers")
@@ -72,8 +79,12 @@ def array(argument: str, values: ArrayLike, ndim: int | None = 1) -> NDArray[np.
 def refuse(argument: str, values: NDArray[Any], wrong: NDArray[np.bool_], why: str) -> None:
     """Raise for the first of the values that is wrong, if one is."""
     for index in np.argwhere(wrong):
-        where = f"[{', '.join(map(str, index))}]" if values.ndim else ""
-        raise InputError(f"{argument}{where} = {values[tuple(index)].item()!r} {why}")
+        value = values[tuple(index)].item()
+        raise InputError(f"{argument}{_where(index)} = {value!r} {why}")
+
+
+def _where(index: Sequence[int] | NDArray[np.intp]) -> str:
+    return f"[{', '.join(map(str, index))}]" if len(index) else ""
 
 
 def any_array(argument: str, values: ArrayLike) -> NDArray[Any]:

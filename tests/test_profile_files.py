@@ -251,6 +251,17 @@ def test_erd_in_free_format(path: Path) -> None:
     np.testing.assert_array_equal(profile.z, [0, 2, 4, 6, 8])
 
 
+def test_all_names_that_are_known_are_told_once(path: Path) -> None:
+    for read, text, names in (
+        (rm.read_csv, "x,z\n0,0\n", "'x', 'z'"),
+        (rm.read_csv, "x [in],z\n0,0\n", "'x [in]', 'z', 'x'"),
+        (rm.read_erd, erd(LONGNAME=""), "'LElev.', 'RElev.', 'CElev.'"),
+    ):
+        save(path, text)
+        with pytest.raises(rm.InputError, match=rf"'up'; there are {re.escape(names)}$"):
+            read(path, "in", elevation="up")
+
+
 def test_erd_with_names_cut_short(path: Path) -> None:
     save(path, erd(SHORTNAM="SHORTNAMLeft    Left\n", LONGNAME="", UNITSNAM="UNITSNAMmm\n"))
     assert_fault(

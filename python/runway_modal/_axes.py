@@ -19,6 +19,9 @@ COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 
 DASHES = ("-", "--", ":")
 
+#: Of static loads: longer than any of those.
+STATIC_DASHES = (0, (6, 3))
+
 
 def require() -> None:
     """Name the extra if matplotlib is not there."""
@@ -79,7 +82,7 @@ def nested_width(i: int, count: int) -> float:
 
 def mark_static(ax: Axes, load: float, color: str, label: str = "") -> None:
     """Mark a static load by a dashed line."""
-    ax.axhline(load, color=color, lw=0.9, ls=(0, (6, 3)), label=label)
+    ax.axhline(load, color=color, lw=0.9, ls=STATIC_DASHES, label=label)
 
 
 def legend_above(ax: Axes) -> None:

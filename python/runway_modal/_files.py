@@ -75,7 +75,8 @@ def find(
                 return found[0]
             if found:
                 raise fault(path, line, f"columns {found} are all called {column!r}")
-        there = ", ".join(map(repr, filter(None, (*names, *others)))) or "no names"
+        told = dict.fromkeys(name for name in (*names, *others) if name)
+        there = ", ".join(map(repr, told)) or "no names"
         raise fault(path, line, f"no column is called {column!r}; there are {there}")
     if isinstance(column, bool) or not isinstance(column, int | np.integer):
         raise InputError(f"column {column!r} is neither a name nor a whole number")

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
     from . import nonlinear
-    from .aircraft import Gear
     from .response import Response
 
     #: One run by the text of its speed.
@@ -47,22 +46,16 @@ def run(path: Path, asked: Mapping[str, str | None], runway: int | None = None) 
 
 
 def _summary(case: Case, runs: Runs) -> Iterator[str]:
-    units, tracks = case.units, case.tracks or {}
-
-    def steps(gear: Gear) -> bool:
-        return gear.name in tracks and bool((np.diff(tracks[gear.name].x) == 0.0).any())
-
+    units = case.units
     yield case.title
     yield f"Units: {units.length}, {units.force}, s"
     for note in case.notes:
         yield f"Inferred, not published: {note}"
-    if case.damping_input and case.reference is None:
-        struck = [gear.name for gear in case.modes.aircraft.gears if gear.damping and steps(gear)]
-        if struck:
-            yield (
-                f"WARNING: vertical steps strike the dampers of {', '.join(struck)}: that blow is "
-                "left out; a ramp or [footprint] shows it."
-            )
+    if struck := _struck(case):
+        yield (
+            f"WARNING: vertical steps strike the dampers of {', '.join(struck)}: that blow is left "
+            "out; a ramp or [footprint] shows it."
+        )
     yield ""
     if case.reference is not None:
         yield "Nonlinear aircraft; its modes near rest:"
@@ -70,6 +63,14 @@ def _summary(case: Case, runs: Runs) -> Iterator[str]:
     for name, response in runs.items():
         yield ""
         yield from _of_speed(case, name, response)
+
+
+def _struck(case: Case) -> list[str]:
+    """Gears whose dampers a linear run has meet a vertical step, an infinite load for no time."""
+    if case.reference is not None or not case.damping_input:
+        return []
+    steep = [name for name, track in (case.tracks or {}).items() if (np.diff(track.x) == 0.0).any()]
+    return [gear.name for gear in case.modes.aircraft.gears if gear.damping and gear.name in steep]
 
 
 def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) -> Iterator[str]:

@@ -158,7 +158,7 @@ class Modes:
         return read_only(self._core.damping_coupling())
 
     def __eq__(self, other: object) -> bool:
-        """Whether both are the same modes of equal aircraft, to the last bit."""
+        """Whether both hold the same numbers, of equal aircraft."""
         if not isinstance(other, Modes):
             return NotImplemented
         names = ("omega", "damping_ratio", "shapes")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._axes import line_style, load_unit, nested_width, new_axes, require, shown
+from ._axes import STATIC_DASHES, line_style, load_unit, nested_width, new_axes, require, shown
 from ._core import InputError
 from ._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
 from .units import FORCE, stated
@@ -122,7 +122,7 @@ def _mark_static(
     for load, which in gears.items():
         label = f"{', '.join(columns[i][0] for i in which)}, static"
         color, _ = line_style(which[0])
-        ax.axvline(load / scale, color=color, lw=1.1, ls=(0, (6, 3)), label=label)
+        ax.axvline(load / scale, color=color, lw=1.1, ls=STATIC_DASHES, label=label)
 
 
 def plot_exceedance(

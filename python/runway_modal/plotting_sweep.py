@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._axes import legend_above, line_style, load_unit, mark_static, nested_width, new_axes, shown
+from ._axes import (
+    STATIC_DASHES,
+    legend_above,
+    line_style,
+    load_unit,
+    mark_static,
+    nested_width,
+    new_axes,
+    shown,
+)
 from .units import SPEED, stated
 
 if TYPE_CHECKING:
@@ -44,7 +53,7 @@ def plot_loads(
         mark_static(ax, sweep.static_load[column] / scale, color)
     if "static" not in ax.get_legend_handles_labels()[1]:
         # The last in the legend, of no gear's colour.
-        ax.plot([], [], color="0.35", lw=0.9, ls=(0, (6, 3)), label="static")
+        ax.plot([], [], color="0.35", lw=0.9, ls=STATIC_DASHES, label="static")
     ax.axhline(0.0, color="0.35", lw=0.9)
     ax.set_ylabel(f"largest and smallest load{unit}")
     legend_above(ax)

@@ -38,14 +38,16 @@ pub struct Modes {
 /// modal motion alone. What else there is stands here, one row a gear.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Statics {
-    /// I − R of these modes. Rows sum to exactly zero when `own`.
+    /// I − R of these modes, of those of `warp` once corrected. Rows sum to exactly zero when `lifted`.
     pub unfollowed: Vec<Vec<f64>>,
     /// I − R of the aircraft's own modes: what warps the gears even at rest.
     pub warp: Vec<Vec<f64>>,
     /// CG coordinates at rest ÷ elevation, of the aircraft's own modes, one column a gear.
     pub rest: Vec<Vector3<f64>>,
-    /// Whether these are all of the aircraft's own modes.
-    pub own: bool,
+    /// Whether a lift of all gears is followed: by the aircraft's own modes, or by correction.
+    pub lifted: bool,
+    /// What these modes lack of `rest`, one column a gear, and a correction adds; empty without one.
+    pub lack: Vec<Vector3<f64>>,
 }
 
 impl Modes {
@@ -69,7 +71,9 @@ impl Modes {
         Ok(Self { aircraft, omega, damping_ratio, shapes, statics })
     }
 
-    /// Measured modes: as many as were measured, in the order given.
+    /// Measured modes: as many as were measured, in the order given. With `static_correction` the
+    /// aircraft follows slow rises by its own static position, the modes carry what deviates from
+    /// theirs: y = rest · u + Φ (p − ω⁻² Φᵀ `K_1` u).
     ///
     /// # Errors
     /// Values out of range, lengths that differ, shapes that are not orthonormal (Eq. 7).
@@ -78,6 +82,7 @@ impl Modes {
         omega: Vec<f64>,
         damping_ratio: &[f64],
         shapes: Vec<Vector3<f64>>,
+        static_correction: bool,
     ) -> Result<Self> {
         if omega.is_empty() {
             return Err(Error::TooShort { argument: "omega", found: 0, least: 1 });
@@ -99,7 +104,7 @@ impl Modes {
             });
         }
         check_orthonormal(&aircraft, &shapes)?;
-        let statics = Statics::measured(&aircraft, &omega, &shapes)?;
+        let statics = Statics::measured(&aircraft, &omega, &shapes, static_correction)?;
         Ok(Self { aircraft, omega, damping_ratio, shapes, statics })
     }
 
@@ -182,10 +187,15 @@ impl Statics {
                 row[g] = -row.iter().sum::<f64>();
             }
         }
-        Self { unfollowed: warp.clone(), warp, rest, own: true }
+        Self { unfollowed: warp.clone(), warp, rest, lifted: true, lack: Vec::new() }
     }
 
-    fn measured(aircraft: &Arc<Aircraft>, omega: &[f64], shapes: &[Vector3<f64>]) -> Result<Self> {
+    fn measured(
+        aircraft: &Arc<Aircraft>,
+        omega: &[f64],
+        shapes: &[Vector3<f64>],
+        correction: bool,
+    ) -> Result<Self> {
         let (own_omega, own_shapes) = eigen(aircraft)?;
         let own = Self::own(aircraft, &own_omega, &own_shapes);
         let stiffness = aircraft.stiffness_matrix();
@@ -199,8 +209,13 @@ impl Statics {
         if is_own {
             return Ok(own);
         }
-        let unfollowed = leftover(aircraft.gears(), &at_rest(aircraft, omega, shapes));
-        Ok(Self { unfollowed, own: false, ..own })
+        let rest = at_rest(aircraft, omega, shapes);
+        if correction {
+            let lack = own.rest.iter().zip(&rest).map(|(own, rest)| own - rest).collect();
+            return Ok(Self { lack, ..own });
+        }
+        let unfollowed = leftover(aircraft.gears(), &rest);
+        Ok(Self { unfollowed, lifted: false, ..own })
     }
 }
 

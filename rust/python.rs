@@ -142,12 +142,13 @@ impl Modes {
         omega: PyReadonlyArray1<f64>,
         damping_ratio: PyReadonlyArray1<f64>,
         shapes: PyReadonlyArray2<f64>,
+        static_correction: bool,
     ) -> PyResult<Self> {
         let columns = shapes.as_array();
         let columns = columns.columns().into_iter().map(|c| Vector3::new(c[0], c[1], c[2])).collect();
-        let ratio = damping_ratio.as_array().to_vec();
-        let modes =
-            modes::Modes::measured(Arc::clone(&aircraft.0), omega.as_array().to_vec(), &ratio, columns)?;
+        let (omega, ratio) = (omega.as_array().to_vec(), damping_ratio.as_array().to_vec());
+        let aircraft = Arc::clone(&aircraft.0);
+        let modes = modes::Modes::measured(aircraft, omega, &ratio, columns, static_correction)?;
         Ok(Self(Arc::new(modes)))
     }
 

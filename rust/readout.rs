@@ -90,6 +90,13 @@ impl Form {
             form.p[lane] = direction.dot(shape);
         }
         form.constant = direction.dot(&run.rest());
+        let datum = run.tracks[0].profile.z()[0];
+        let gears = run.track_of.iter().zip(run.first_elevations());
+        for (lack, (&track, first)) in run.modes.statics().lack.iter().zip(gears) {
+            let weight = direction.dot(lack);
+            form.add_height(track, weight);
+            form.constant -= weight * (first - datum);
+        }
         form
     }
 
@@ -98,7 +105,19 @@ impl Form {
         for (lane, shape) in run.modes.shapes().iter().enumerate() {
             form.v[lane] = direction.dot(shape) * run.oscillators.omega[lane];
         }
+        for (lack, &track) in run.modes.statics().lack.iter().zip(&run.track_of) {
+            form.rate[track] += direction.dot(lack);
+        }
         form
+    }
+
+    /// Adds a weight of a track's elevation since the start; the others' first elevations above the
+    /// first track's are for the caller to take off.
+    fn add_height(&mut self, track: usize, weight: f64) {
+        self.height[0] += weight;
+        if track != 0 {
+            self.height[track] += weight;
+        }
     }
 
     /// A form of one mode alone, by its weights of d and v.
@@ -112,29 +131,29 @@ impl Form {
     fn load(run: &Run, gear: usize) -> Self {
         let aircraft = run.modes.aircraft();
         let statics = run.modes.statics();
-        let k = aircraft.gears()[gear].stiffness;
+        let (k, row) = (aircraft.gears()[gear].stiffness, aircraft.gears()[gear].row());
         let mut form = Self::zero(run);
         for (lane, shape) in run.modes.shapes().iter().enumerate() {
-            form.d[lane] = -k * aircraft.gears()[gear].row().dot(shape);
+            form.d[lane] = -k * row.dot(shape);
         }
         if run.damping_input {
             let c = aircraft.gears()[gear].damping;
             form.v = form.d * (c / k) * run.oscillators.omega;
             form.rate[run.track_of[gear]] = c;
+            for (lack, &track) in statics.lack.iter().zip(&run.track_of) {
+                form.rate[track] -= c * row.dot(lack);
+            }
         }
         // Elevations as heights: the first gear's rise since the start, the others above it.
         let first: Vec<f64> = run.first_elevations().collect();
         let mut warp = 0.0;
         for (j, &track) in run.track_of.iter().enumerate() {
             let (now, start) = (k * statics.unfollowed[gear][j], k * statics.warp[gear][j]);
-            form.height[0] += now;
-            if track != 0 {
-                form.height[track] += now;
-            }
+            form.add_height(track, now);
             form.first[track] += start - now;
             warp += (start - now) * (first[j] - first[0]);
         }
-        if statics.own {
+        if statics.lifted {
             form.height[0] = 0.0;
         }
         form.constant = aircraft.static_load()[gear] + warp;

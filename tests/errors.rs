@@ -64,7 +64,7 @@ fn ratios_and_shapes() {
     refused(Modes::natural(aircraft(), Some(&[-0.5])), &["damping_ratio = -0.5", "negative"]);
     refused(Modes::natural(aircraft(), Some(&[0.1, 0.2])), &["damping_ratio", "2", "1"]);
     let shape = modes().shapes()[0];
-    let measured = |omega, zeta, shape| Modes::measured(aircraft(), vec![omega], &[zeta], vec![shape]);
+    let measured = |omega, zeta, shape| Modes::measured(aircraft(), vec![omega], &[zeta], vec![shape], false);
     refused(measured(0.0, 0.0, shape), &["omega[0] = 0.0"]);
     refused(measured(5.0, -1.0, shape), &["damping_ratio[0] = -1.0"]);
     refused(measured(5.0, 0.0, 1.1 * shape), &["shapes", "1.21", "Eq. 7"]);

@@ -109,6 +109,12 @@ def test_one_degree_of_freedom_and_measured_modes(tmp_path: Path) -> None:
     modes = read(tmp_path, INCHES + measured + MAT + RUN).modes
     assert modes.omega.tolist() == [12.016]
     assert modes.damping_ratio.tolist() == [0.02]
+    assert not modes.static_correction
+    corrected = measured.replace("[[", "static_correction = true\n[[")
+    assert read(tmp_path, INCHES + corrected + MAT + RUN).modes.static_correction
+    of_own = '[aircraft]\npreset = "f4e"\nstatic_correction = true\n'
+    with pytest.raises(rm.InputError, match=r":6: aircraft: static_correction: of measured"):
+        read(tmp_path, INCHES + of_own + MAT + RUN)
 
 
 def test_a_survey_may_be_an_erd_file(tmp_path: Path) -> None:

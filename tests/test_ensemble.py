@@ -82,7 +82,7 @@ def mean_squares(response: rm.Response, spacing: float, stations: int, speed: fl
     speed=st.sampled_from([90.0, 405.0744, 3000.0]),
     ratio=st.sampled_from([0.0, 0.01, 1.0, 3.0]),
     damped=st.booleans(),
-    kind=st.sampled_from(["own", "own", "measured", "few"]),
+    kind=st.sampled_from(["own", "own", "measured", "few", "corrected"]),
 )
 def test_is_simulate(seed, gears, single, stations, spacing, speed, ratio, damped, kind):
     random = np.random.default_rng(seed)
@@ -90,8 +90,9 @@ def test_is_simulate(seed, gears, single, stations, spacing, speed, ratio, dampe
     modes = aircraft.modes(ratio)
     if kind == "measured":
         modes = rm.Modes(aircraft, 1.1 * modes.omega, modes.damping_ratio, modes.shapes)
-    elif kind == "few":
-        modes = rm.Modes(aircraft, modes.omega[:1], modes.damping_ratio[:1], modes.shapes[:, :1])
+    elif kind in ("few", "corrected"):
+        first = (modes.omega[:1], modes.damping_ratio[:1], modes.shapes[:, :1])
+        modes = rm.Modes(aircraft, *first, static_correction=kind == "corrected")
     runs = int(random.integers(1, 11))
     elevations = random.normal(size=(runs, 1 if single else gears, stations)) + 40.0
     found = rm.simulate_many(modes, elevations, spacing, speed, damping_input=damped)

@@ -185,9 +185,11 @@ def test_a_profile_under_each_gear() -> None:
     check(rm.simulate(craft().modes(0.01), tracks, rm.knots(35)))
 
 
-def test_measured_modes_whose_loads_carry_elevations() -> None:
+@pytest.mark.parametrize("correction", [False, True])
+def test_measured_modes_whose_loads_carry_elevations(correction: bool) -> None:
     own = craft().modes(0.01)
-    few = rm.Modes(own.aircraft, own.omega[:2] * 1.03, 0.01, own.shapes[:, :2])
+    given = (own.aircraft, own.omega[:2] * 1.03, 0.01, own.shapes[:, :2])
+    few = rm.Modes(*given, static_correction=correction)
     check(rm.simulate(few, PROFILES["mat"], rm.knots(20)))
 
 

@@ -478,6 +478,7 @@ def test_pickling_keeps_equality(thing: object) -> None:
         aircraft([(*gear, 10.0) for gear in WIDE_BODY]).modes(),
         rm.single_dof(mass=2.0, omega=3.0, damping_ratio=0.5),
         rm.Modes(rm.f4e(), PRINTED_OMEGA[1:2], 0.01, np.array(PRINTED_SHAPES)[:, 1:2]),
+        rm.Modes(rm.f4e(), PRINTED_OMEGA, 0.01, PRINTED_SHAPES, static_correction=True),
     ],
 )
 def test_pickled_modes_respond_to_the_last_bit(modes: rm.Modes) -> None:
@@ -493,7 +494,9 @@ def test_modes_are_equal_by_value() -> None:
     assert modes == rm.f4e().modes([0.01, 0.01, 0.01])
     others = [rm.f4e().modes(0.02), rm.f4e("equivalent").modes(0.01), modes.omega]
     shapes = modes.shapes * [1.0, -1.0, 1.0]
-    others.append(rm.Modes(rm.f4e(), modes.omega, modes.damping_ratio, shapes))
+    given = (rm.f4e(), modes.omega, modes.damping_ratio)
+    others.append(rm.Modes(*given, shapes))
+    others.append(rm.Modes(*given, modes.shapes, static_correction=True))
     assert not any(modes is other or modes.__eq__(other) is True for other in others)
 
 

@@ -114,7 +114,12 @@ def test_runs_from_disk_merge_with_their_like_alone(tmp_path, modes, surface):
     measured = rm.Modes(
         stiffer, omega=modes.omega, damping_ratio=modes.damping_ratio, shapes=modes.shapes
     )
-    for other, named in ((measured, "gears"), (rm.f4e().modes(0.02), "damping ratio")):
+    given = (rm.f4e(), modes.omega, modes.damping_ratio, modes.shapes)
+    for other, named in (
+        (measured, "gears"),
+        (rm.f4e().modes(0.02), "damping ratio"),
+        (rm.Modes(*given, static_correction=True), "static correction"),
+    ):
         apart = rm.monte_carlo(other, surface, **RUNWAY, runs=5, first_run=10)
         with pytest.raises(rm.InputError, match=named):
             read.merge(apart)

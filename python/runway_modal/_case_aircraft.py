@@ -40,7 +40,9 @@ _PRESET, _DATA = (
 def linear(table: Table, units: Units) -> Modes:
     """Make the modes of a linear aircraft."""
     preset = "preset" in table.values
-    table.only(*(_PRESET if preset else _DATA), "damping_ratio", "modes", "stations")
+    table.only(
+        *(_PRESET if preset else _DATA), "damping_ratio", "modes", "static_correction", "stations"
+    )
     points = _stations(table, units)
     with table.located():
         if not preset:
@@ -62,6 +64,8 @@ def linear(table: Table, units: Units) -> Modes:
     measured = table.tables("modes", [])
     with table.located():
         if not measured:
+            if "static_correction" in table.values:
+                raise InputError("static_correction: of measured modes only")
             return aircraft.modes(table.values.get("damping_ratio"))
         if "damping_ratio" in table.values:
             raise InputError("damping_ratio: each of the measured modes has its own")
@@ -79,6 +83,7 @@ def linear(table: Table, units: Units) -> Modes:
             [mode.quantity("omega", FREQUENCY, units) for mode in measured],
             [mode.get("damping_ratio") for mode in measured],
             np.transpose(shapes),
+            static_correction=table.flag("static_correction"),
         )
 
 

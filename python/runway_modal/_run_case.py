@@ -114,6 +114,7 @@ def _write_json(case: Case, runs: Runs, to: str) -> None:
             "omega": case.modes.omega.tolist(),
             "damping_ratio": case.modes.damping_ratio.tolist(),
             "shapes": case.modes.shapes.tolist(),
+            "static_correction": case.modes.static_correction,
         },
         "runs": [_results(case, name, response) for name, response in runs.items()],
     }

@@ -761,6 +761,7 @@ def describe(modes: Modes) -> dict[str, Any]:
         "omega": modes.omega.tolist(),
         "damping ratio": modes.damping_ratio.tolist(),
         "shapes": modes.shapes.tolist(),
+        "static correction": modes.static_correction,
     }
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import any_array, array, read_only
+from ._input import any_array, array, flag, read_only
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,6 +46,10 @@ class Modes:
         Mode shapes {bounce, pitch, roll}, positive up, nose up [rad] and left side up [rad], one
         a column, orthonormal with respect to the mass matrix (Eq. 7) within 5e-3 a term: three
         printed digits suffice. A shape φ of any size is brought there by φ / √(φᵀMφ).
+    static_correction : bool, default False
+        Whether the aircraft follows the runway by its own static position on its gears, and the
+        modes carry what deviates from that; see Notes. Without effect on all of an aircraft's own
+        modes.
 
     Raises
     ------
@@ -54,11 +59,23 @@ class Modes:
     Notes
     -----
     Measured frequencies that do not belong to the gear stiffnesses, or fewer modes than the
-    aircraft has, do not follow a rise of the runway to the full static height: loads are right
-    about the elevations on which the run starts, and wrong on a plateau or a grade: with
-    frequencies 1 % high a main gear of the F-4E seems to carry 179 lbf more for every inch that it
-    has climbed. Take the slow rise out of a survey, or make the two agree: stiffnesses times the
-    square of measured over computed frequency (`Aircraft.with_stiffness`).
+    aircraft has, do not follow a rise of the runway to the full static height. As Eqs. 12 and 21
+    stand, loads are right about the elevations on which the run starts, and wrong on a plateau or
+    a grade: with frequencies 1 % high a main gear of the F-4E seems to carry 179 lbf more for
+    every inch that it has climbed.
+
+    `static_correction` takes the body's displacement y = Φp in Eqs. 19 to 21 as
+
+        y = K⁻¹K₁u + Φ (p − ω⁻²ΦᵀK₁u)
+
+    with the ground's elevations u, the stiffness matrix K of the gears and their pushes K₁u
+    (Eq. 4): the static position on the gears, and the modes' deviation from theirs. Loads on a
+    plateau are then the static ones. What the modes lack follows the ground at once, without
+    inertia: right for frequencies that are a little off and for modes much faster than what the
+    runway excites; slower ones are not to be left out. Accelerations are those of the modes. It
+    is the static correction method of structural dynamics (A. K. Chopra, Dynamics of Structures,
+    chapter 12). Another way is to make the two agree: stiffnesses times the square of measured
+    over computed frequency (`Aircraft.with_stiffness`).
 
     Examples
     --------
@@ -71,7 +88,15 @@ class Modes:
     array([1.91])
     """
 
-    __slots__ = ("_core", "_rebuild", "aircraft", "damping_ratio", "omega", "shapes")
+    __slots__ = (
+        "_core",
+        "_rebuild",
+        "aircraft",
+        "damping_ratio",
+        "omega",
+        "shapes",
+        "static_correction",
+    )
 
     #: The aircraft.
     aircraft: Aircraft
@@ -81,6 +106,8 @@ class Modes:
     damping_ratio: NDArray[np.float64]
     #: Mode shapes, shape (3, m): rows bounce, pitch, roll; ΦᵀMΦ = I (Eq. 7).
     shapes: NDArray[np.float64]
+    #: Whether the aircraft's own static position carries what the modes lack.
+    static_correction: bool
     _core: CoreModes
     _rebuild: tuple[Callable[..., Modes], tuple[Any, ...]]
 
@@ -90,6 +117,8 @@ class Modes:
         omega: ArrayLike,
         damping_ratio: ArrayLike,
         shapes: ArrayLike,
+        *,
+        static_correction: bool = False,
     ) -> None:
         omega = array("omega", omega)
         ratio = any_array("damping_ratio", damping_ratio)
@@ -104,9 +133,11 @@ class Modes:
             )
         if not isinstance(getattr(aircraft, "_core", None), _core.Aircraft):
             raise InputError(f"aircraft = {aircraft!r} is not an Aircraft")
-        core = _core.Modes.measured(aircraft._core, omega, ratio, shapes)
-        self._fill(aircraft, core)
-        self._rebuild = (Modes, (aircraft, self.omega, self.damping_ratio, self.shapes))
+        correction = flag("static_correction", static_correction)
+        core = _core.Modes.measured(aircraft._core, omega, ratio, shapes, correction)
+        self._fill(aircraft, core, static_correction=correction)
+        again = partial(Modes, static_correction=correction)
+        self._rebuild = (again, (aircraft, self.omega, self.damping_ratio, self.shapes))
 
     @classmethod
     def _natural(cls, aircraft: Aircraft, damping_ratio: ArrayLike | None) -> Modes:
@@ -121,13 +152,14 @@ class Modes:
                 )
         modes = cls.__new__(cls)
         core = _core.Modes.natural(aircraft._core, ratio)
-        modes._fill(aircraft, core)
+        modes._fill(aircraft, core, static_correction=False)
         modes._rebuild = (cls._natural, (aircraft, None if ratio is None else modes.damping_ratio))
         return modes
 
-    def _fill(self, aircraft: Aircraft, core: CoreModes) -> None:
+    def _fill(self, aircraft: Aircraft, core: CoreModes, *, static_correction: bool) -> None:
         self.aircraft = aircraft
         self._core = core
+        self.static_correction = static_correction
         self.omega = read_only(core.omega())
         self.damping_ratio = read_only(core.damping_ratio())
         self.shapes = read_only(core.shapes())
@@ -161,7 +193,7 @@ class Modes:
         """Whether both hold the same numbers, of equal aircraft."""
         if not isinstance(other, Modes):
             return NotImplemented
-        names = ("omega", "damping_ratio", "shapes")
+        names = ("omega", "damping_ratio", "shapes", "static_correction")
         return self.aircraft == other.aircraft and all(
             np.array_equal(getattr(self, name), getattr(other, name)) for name in names
         )

@@ -91,6 +91,12 @@ pub enum Error {
     /// A value whose consequences leave the range of double precision.
     #[error("{place} = {value:?} is out of range: {why}")]
     OutOfRange { place: Place, value: f64, why: &'static str },
+    /// Stations too far apart for the waves of a random profile.
+    #[error(
+        "spacing = {spacing:?} is too coarse: the band's shortest wave needs two stations, so {most:?} \
+         at most, or a lower upper end of the band"
+    )]
+    TooCoarse { spacing: f64, most: f64 },
     /// Mode shapes that are not orthogonal with respect to the mass matrix (Eq. 7).
     #[error(
         "shapes: columns {row} and {column} have shapesᵀ M shapes = {value:?}, \

@@ -102,9 +102,7 @@ impl Generator {
         positive("spacing", spacing)?;
         let (longest, shortest) = spectrum.band();
         if 2.0 * spacing * shortest > 1.0 + 1e-9 {
-            let why =
-                "the band's shortest wave needs two stations; lower the band's upper end or the spacing";
-            return Err(Error::OutOfRange { place: "spacing".into(), value: spacing, why });
+            return Err(Error::TooCoarse { spacing, most: 0.5 / shortest });
         }
         // A length that is a whole number of spacings but for rounding is one.
         let segments = (length / spacing - 1e-9).ceil().max(1.0);

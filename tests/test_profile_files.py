@@ -76,6 +76,8 @@ def assert_fault(path: Path, line: int, *parts: str, read: Any = rm.read_csv, **
         ("x [in];z, left (in)\n0;0\n1.5;2\n1.5;-.3\n4;0\n", {"elevation": "z, left"}),
         ("x [in],z [m],z [in]\n0,1,0\n1.5,1,2\n1.5,1,-.3\n4,1,0\n", {"elevation": "z [in]"}),
         ("x;z (NAVD88)\n0;0\n1.5;2\n1.5;-.3\n4;0\n", {"unit": "in", "elevation": "z (NAVD88)"}),
+        ("Runway 9, 1979\n\nx;z\n0;0\n1.5;2\n1.5;-.3\n4;0\n", {"unit": "in", "skiprows": 1}),
+        ("9\n27\nx;z\n0;0\n1.5;2\n1.5;-.3\n4;0\n", {"unit": "in", "skiprows": np.int8(2)}),
         (b"x;H\xf6he [in]\n0;0\n1.5;2\n1.5;-.3\n4;0\n", {"unit": "in"}),
     ],
 )  # fmt: skip
@@ -139,6 +141,8 @@ def test_conversion_is_correct_to_rounding(path: Path, unit: str, to: str) -> No
         ("0,0\n1,1e999\n", 2, ["'1e999' is not finite"], {}),
         ("0,0\n2,1\n1,2\n", 3, ["station 1.0 comes after 2.0"], {}),
         ("0,0\n2,1\n1,2\n", 3, ["station 1.0 comes after 2.0"], {"unit": "m"}),
+        ("0,0\n", 2, ["no data"], {"skiprows": 1}),
+        ("Runway 9\nx,z\n0,0\n", 2, ["where line 1 has 2: 'x,z'; lines above", "skiprows"], {}),
         ("0,0\n1\n", 2, ["1 cell(s) where line 1 has 2", "'1'"], {}),
         ("0,0\n1,2,3\n", 2, ["3 cell(s) where line 1 has 2"], {}),
         ("0,0,1,5\n1,5,2,5\n9\n", 3, ["1 cell(s)"], {}),

@@ -506,7 +506,7 @@ def test_bad_table(n: list[float], psd: list[float], message: str) -> None:
         ({"speed": [1.0, 2.0]}, "speed has 2 entries, 3 expected"),
         ({"speed": [1.0, np.nan, 2.0]}, "speed[1] = NaN is not finite"),
         ({"runs": 0}, "runs = 0 must be at least 1"),
-        ({"spacing": 0.7}, "spacing = 0.7 is out of range"),
+        ({"spacing": 0.7}, "spacing = 0.7 is too coarse"),
     ],
 )
 def test_bad_monte_carlo(wrong: dict[str, object], message: str) -> None:
@@ -535,7 +535,10 @@ def test_bad_unit_and_frequency() -> None:
         ({"length": 0.0}, "length = 0.0 is not positive"),
         ({"length": np.inf}, "length = inf is not finite"),
         ({"spacing": -0.5}, "spacing = -0.5 is not positive"),
-        ({"spacing": 0.63}, "spacing = 0.63 is out of range: the band's shortest wave"),
+        (
+            {"spacing": 0.63},
+            "spacing = 0.63 is too coarse: the band's shortest wave needs two stations, so 0.625",
+        ),
         ({"spacing": 1e-6}, "length = 400.0 is out of range: with two of the band's longest"),
         ({"length": 1e12}, "length = 1000000000000.0 is out of range: with two of"),
         (

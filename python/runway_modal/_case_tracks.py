@@ -102,7 +102,8 @@ def _file(table: Table, units: Units) -> Profile:
     if path.suffix.lower() == ".erd":
         table.only("file", "unit", "elevation", *_PLACE)
     else:
-        table.only("file", "unit", "station", "elevation", "delimiter", "decimal", *_PLACE)
+        layout = ("delimiter", "decimal", "skiprows")
+        table.only("file", "unit", "station", "elevation", *layout, *_PLACE)
     options = {key: table.get(key) for key in table.values if key not in ("file", *_PLACE)}
     if isinstance(options.get("elevation"), dict):
         raise table.fault("elevation is not a heading or a number", "elevation")

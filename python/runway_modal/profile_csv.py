@@ -26,6 +26,7 @@ from ._files import (
     wanted,
     write_lines,
 )
+from ._input import integer
 from .units import length_unit
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ def read_csv(
     elevation: Column = ...,
     delimiter: str | None = ...,
     decimal: str = ...,
+    skiprows: int = ...,
 ) -> Profile: ...
 @overload
 def read_csv(
@@ -60,6 +62,7 @@ def read_csv(
     elevation: Mapping[str, Column],
     delimiter: str | None = ...,
     decimal: str = ...,
+    skiprows: int = ...,
 ) -> dict[str, Profile]: ...
 def read_csv(
     path: FilePath,
@@ -70,6 +73,7 @@ def read_csv(
     elevation: Column | Mapping[str, Column] = 1,
     delimiter: str | None = None,
     decimal: str = ".",
+    skiprows: int = 0,
 ) -> Profile | dict[str, Profile]:
     r"""
     Read profiles from delimited text, one row a breakpoint.
@@ -98,6 +102,8 @@ def read_csv(
         the first row; if none is, blanks, as many as there are.
     decimal : {".", ","}
         Decimal point or comma; a comma does not separate cells then.
+    skiprows : int, default 0
+        Lines to leave out at the top of the file, such as a title.
 
     Returns
     -------
@@ -130,14 +136,16 @@ def read_csv(
         not isinstance(delimiter, str) or len(delimiter) != 1 or delimiter in f'{decimal}"'
     ):
         raise InputError(f"delimiter = {delimiter!r} cannot stand between cells")
+    skiprows = integer("skiprows", skiprows, 0)
 
     table = [
         (number, line)
         for number, line in enumerate(read_lines(path), 1)
-        if line.strip(f"\t ;,{delimiter or ''}") and not line.lstrip().startswith("#")
+        if number > skiprows
+        and line.strip(f"\t ;,{delimiter or ''}") and not line.lstrip().startswith("#")
     ]
     if not table:
-        raise fault(path, 1, "no data: the file is empty")
+        raise fault(path, skiprows + 1, f"no data: the file {'ends' if skiprows else 'is empty'}")
     first, heading = table[0]
     if delimiter is None:
         delimiter = next((c for c in "\t;," if c in heading and c != decimal), None)
@@ -182,7 +190,8 @@ def _pick(
         cells = _cells(line, delimiter)
         if len(cells) != width:
             counts = f"{len(cells)} cell(s) where line {first} has {width}"
-            raise fault(path, number, f"{counts}: {excerpt(line)}")
+            title = "; lines above the header: skiprows" if len(lines) == 1 else ""
+            raise fault(path, number, f"{counts}: {excerpt(line)}{title}")
         lines.append(number)
         for column, found in zip(columns, picked, strict=True):
             found.append(cells[column])

@@ -137,6 +137,16 @@ def test_runs_on_one_axes_are_all_in_sight() -> None:
     assert high - low < 1.5 * np.ptp(alone.get_ylim())
 
 
+def test_a_single_point_is_to_be_seen() -> None:
+    modes, mat = rm.f4e().modes(0.01), rm.Profile.full_mat()
+    at_once, sweep = rm.simulate(modes, mat, 400.0, times=[1.0]), rm.sweep(modes, mat, 400.0)
+    figure = loads_over_profile({"run": at_once}, {"left": "Main gear"})
+    for ax in (at_once.plot(), sweep.plot(), sweep.plot_acceleration(), *figure.axes):
+        markers = [line.get_marker() for line in ax.lines if len(line.get_xdata()) == 1]
+        assert markers and set(markers) == {"o"}
+    assert all(line.get_marker() != "o" for line in rm.simulate(modes, mat, 400.0).plot().lines)
+
+
 def test_the_legend_of_many_gears_stays_inside() -> None:
     gears = [
         rm.Gear(f"{side} {place}", x, y, 8000.0, 50.0)

@@ -299,6 +299,7 @@ def test_figures() -> None:
     assert np.allclose(curve.get_xdata(), knots)
     assert (curve.get_ydata() == sweep.max_acceleration["pilot"][::-1] / 386.0886).all()
     assert limit.get_ydata()[0] == 0.4
+    assert bottom.get_ylim()[0] == 0.0
     assert bottom.get_ylim()[1] >= 0.4
     with pytest.raises(rm.InputError, match=r"gears\[1\] = 'tail'"):
         sweep.plot(["left", "tail"], ax=top)

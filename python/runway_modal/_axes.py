@@ -8,7 +8,7 @@ from ._core import InputError
 from .units import THOUSAND, stated
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Sequence, Sized
 
     from matplotlib.axes import Axes
 
@@ -78,6 +78,11 @@ def line_style(i: int) -> tuple[str, str]:
 def nested_width(i: int, count: int) -> float:
     """Width of the i-th line, thin over wide: gears that do the same would hide each other."""
     return 1.1 + min(0.7, 2.8 / count) * (count - 1 - i)
+
+
+def dot(at: Sized) -> str:
+    """Marker of a line: a single point has no line to be seen by."""
+    return "o" if len(at) == 1 else ""
 
 
 def mark_static(ax: Axes, load: float, color: str, label: str = "") -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from ._axes import (
     DASHES,
     axis_label,
+    dot,
     legend_above,
     line_style,
     load_unit,
@@ -97,7 +98,8 @@ def loads_over_profile(
         panel.set_ylabel(f"{label} {panel.get_ylabel()}")
     _draw_elevations(ground, responses, columns, units, against)
     ends = np.array([getattr(run, against)[[0, -1]] for run in responses.values()])
-    ground.set_xlim(ends.min(), ends.max())
+    if ends.min() < ends.max():
+        ground.set_xlim(ends.min(), ends.max())
     if against == "time":
         ground.set_xlabel(axis_label("time", TIME, units))
     else:
@@ -144,9 +146,8 @@ def _draw_loads(
         taken = [line.get_linestyle() for line in ax.lines if line.get_color() == color]
         turns = [DASHES[(turn + k) % len(DASHES)] for k in range(len(DASHES))]
         dashes = next((one for one in turns if one not in taken), turns[0])
-        ax.plot(
-            getattr(response, against), load / scale, color=color, ls=dashes, lw=1.4, label=label
-        )
+        at = getattr(response, against)
+        ax.plot(at, load / scale, color=color, marker=dot(at), ls=dashes, lw=1.4, label=label)
     static = dict.fromkeys(float(run.static_load[column]) / scale for _, run, column in lines)
     for i, level in enumerate(static):
         mark_static(ax, level, "0.35", "" if i or "static" in there else "static")
@@ -177,8 +178,9 @@ def _draw_elevations(
             # A title's word goes on in small letters, a letter that is a name does not.
             words = (each[0].lower() + each[1:] if each[1:2].islower() else each for each in labels)
             of_run = f", {run_name}" if len(grounds) > 1 else ""
+            at = getattr(response, against)
             ax.plot(
-                getattr(response, against), elevation, "k",
+                at, elevation, "k", marker=dot(at),
                 ls=("-", "--", ":", "-.")[len(drawn) % 4], lw=1.1,
                 label=f"under the {', '.join(words)}{of_run}",
             )  # fmt: skip

@@ -8,6 +8,7 @@ import numpy as np
 
 from ._axes import (
     STATIC_DASHES,
+    dot,
     legend_above,
     line_style,
     load_unit,
@@ -47,8 +48,8 @@ def plot_loads(
         color, dashes = line_style(i)
         width = nested_width(i, len(wanted))
         low, high = sweep.min_load[order, column] / scale, sweep.max_load[order, column] / scale
-        ax.plot(speed, high, color, ls=dashes, lw=width, label=gear)
-        ax.plot(speed, low, color, ls=dashes, lw=width)
+        for load, label in ((high, gear), (low, "")):
+            ax.plot(speed, load, color, ls=dashes, lw=width, marker=dot(speed), label=label)
         ax.fill_between(speed, low, high, color=color, alpha=0.12, lw=0)
         mark_static(ax, sweep.static_load[column] / scale, color)
     if "static" not in ax.get_legend_handles_labels()[1]:
@@ -71,11 +72,11 @@ def plot_accelerations(
     for i, station in enumerate(wanted):
         share = sweep.max_acceleration[station][order] / sweep.modes.aircraft.gravity
         color, dashes = line_style(i)
-        ax.plot(speed, share, color, ls=dashes, lw=1.3, label=station)
+        ax.plot(speed, share, color, ls=dashes, lw=1.3, marker=dot(speed), label=station)
     ax.axhline(ACCELERATION_LIMIT, color="0.2", lw=0.9, ls="--", label="±0.4 g")
-    ax.set_ylim(bottom=0.0)
     ax.set_ylabel("largest |vertical acceleration| [g]")
     legend_above(ax)
+    ax.set_ylim(bottom=0.0)
     return ax
 
 

@@ -142,7 +142,8 @@ def read_csv(
         (number, line)
         for number, line in enumerate(read_lines(path), 1)
         if number > skiprows
-        and line.strip(f"\t ;,{delimiter or ''}") and not line.lstrip().startswith("#")
+        and line.strip(f"\t ;,{delimiter or ''}")
+        and not line.lstrip().startswith("#")
     ]
     if not table:
         raise fault(path, skiprows + 1, f"no data: the file {'ends' if skiprows else 'is empty'}")

@@ -22,12 +22,14 @@ use crate::row::{RUNS, Row};
 use crate::run::{LAST_KNOT, check_speed};
 use crate::watch::{Pulse, Watch};
 
+mod ahead;
 mod constants;
 mod kernel;
 mod records;
 mod setup;
 mod vector;
 
+pub use ahead::Ahead;
 use constants::Constants;
 use kernel::{March, PERIODS};
 use pulp::Arch;
@@ -59,6 +61,10 @@ pub trait Reader {
     /// Elevations of a track at so many stations from `first` on, by the instructions of `simd`. Lanes
     /// without a run are to hold finite numbers.
     fn read<S: Simd>(&mut self, simd: S, track: usize, first: usize, out: &mut [Row]);
+
+    /// Says where in memory the elevations stand, if they are there, that will be read next: of a
+    /// track, so many from `first` on.
+    fn foresee(&self, _track: usize, _first: usize, _count: usize, _ahead: &mut Ahead) {}
 }
 
 /// Elevations in memory, run by run, track by track.
@@ -101,8 +107,7 @@ impl<'a, T: Copy + Into<f64> + Sync> Memory<'a, T> {
 /// Reads elevations in memory.
 pub struct MemoryReader<'a, T> {
     memory: Memory<'a, T>,
-    first: usize,
-    count: usize,
+    runs: Range<usize>,
 }
 
 impl<T: Copy + Into<f64> + Sync> Source for Memory<'_, T> {
@@ -112,25 +117,44 @@ impl<T: Copy + Into<f64> + Sync> Source for Memory<'_, T> {
         Self: 'a;
 
     fn reader(&self) -> MemoryReader<'_, T> {
-        MemoryReader { memory: *self, first: 0, count: 1 }
+        MemoryReader { memory: *self, runs: 0..1 }
+    }
+}
+
+impl<T> Memory<'_, T> {
+    /// So many elevations of a track from station `first` on, of these runs.
+    #[inline(always)]
+    fn lanes(&self, runs: &Range<usize>, track: usize, first: usize, count: usize) -> [&[T]; RUNS] {
+        std::array::from_fn(|lane| {
+            // An idle lane repeats the last run.
+            let run = (runs.start + lane).min(runs.end - 1);
+            &self.elevations[(run * self.tracks + track) * self.stations + first..][..count]
+        })
     }
 }
 
 impl<T: Copy + Into<f64>> Reader for MemoryReader<'_, T> {
     fn open(&mut self, first: usize, count: usize, _: Pulse) -> Result<()> {
-        (self.first, self.count) = (first, count);
+        self.runs = first..first + count;
         Ok(())
     }
 
     #[inline(always)]
     fn read<S: Simd>(&mut self, simd: S, track: usize, first: usize, out: &mut [Row]) {
+        vector::turn(simd, self.memory.lanes(&self.runs, track, first, out.len()), out);
+    }
+
+    fn foresee(&self, track: usize, first: usize, count: usize, ahead: &mut Ahead) {
         let Memory { elevations, tracks, stations } = self.memory;
-        let lanes: [&[T]; RUNS] = std::array::from_fn(|lane| {
-            // An idle lane repeats the last run.
-            let run = self.first + lane.min(self.count - 1);
-            &elevations[(run * tracks + track) * stations + first..][..out.len()]
-        });
-        vector::turn(simd, lanes, out);
+        let (mut runs, mut first) = (self.runs.clone(), first);
+        if first >= stations {
+            // Most likely the next runs are up next.
+            let all = elevations.len() / (tracks * stations);
+            (runs, first) = (runs.end..all.min(runs.end + RUNS), 0);
+        }
+        if !runs.is_empty() {
+            ahead.extend(self.memory.lanes(&runs, track, first, count.min(stations - first)));
+        }
     }
 }
 

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::ahead::Ahead;
 use super::constants::{Constants, States, of_lane};
 use super::records::Records;
 use super::setup::{Layout, MODES, Setup};
@@ -62,6 +63,8 @@ pub(super) struct March<'a> {
     pub layout: &'a Layout,
     constants: &'a Constants,
     ground: Vec<Ground>,
+    /// Elevations of the next block.
+    ahead: Ahead,
     /// First elevations less those of the first group.
     first: Vec<Row>,
     first_rows: Vec<Rows>,
@@ -107,6 +110,7 @@ impl<'a> March<'a> {
             layout,
             constants,
             ground: vec![Ground { z: [ZERO; PERIODS + 1], rise: [ZERO; PERIODS + 1] }; groups],
+            ahead: Ahead::default(),
             first: vec![ZERO; groups],
             first_rows: vec![none; heights],
             origin: ZERO,
@@ -161,8 +165,8 @@ impl<'a> March<'a> {
 
     /// The block of `count` periods that begins with `period`, the next one; after the last, the tail.
     pub fn block(&mut self, reader: &mut impl Reader, stations: usize, period: usize, count: usize) {
-        let Self { arch, layout, ground, .. } = self;
-        arch.dispatch(Read { layout, ground, reader, stations, period, count });
+        let Self { arch, layout, ground, ahead, .. } = self;
+        arch.dispatch(Read { layout, ground, ahead, reader, stations, period, count });
         arch.dispatch(Block { march: self, way: Way::On { period, count } });
     }
 
@@ -235,6 +239,7 @@ impl<'a> March<'a> {
 struct Read<'m, R> {
     layout: &'m Layout,
     ground: &'m mut [Ground],
+    ahead: &'m mut Ahead,
     reader: &'m mut R,
     stations: usize,
     period: usize,
@@ -246,7 +251,8 @@ impl<R: Reader> WithSimd for Read<'_, R> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { layout, ground, reader, stations, period, count } = self;
+        let Self { layout, ground, ahead, reader, stations, period, count } = self;
+        ahead.clear();
         for (ground, group) in ground.iter_mut().zip(&layout.groups) {
             ground.z[0] = ground.z[PERIODS];
             ground.rise[0] = ground.rise[PERIODS];
@@ -262,6 +268,7 @@ impl<R: Reader> WithSimd for Read<'_, R> {
             }
             let end = ground.z[after - 1];
             ground.z[after..=count].fill(end);
+            reader.foresee(group.track, last, PERIODS, ahead);
         }
     }
 }

@@ -79,13 +79,14 @@ impl March<'_> {
         legs: usize,
         pushes: &mut [Push<Vector<S>>],
     ) {
-        let Self { layout, constants, ground, states, state, .. } = self;
+        let Self { layout, constants, ground, ahead, states, state, .. } = self;
         // Slices: what stands behind a vector would be fetched anew in every period.
         let (ground, climb, drag) = (&mut ground[..], &constants.climb[..], &constants.drag[..]);
         let (members, steps) = (&layout.members[..legs], &constants.steps[..legs]);
         let all = &mut states[..];
         let mut now = part.load_all(state);
         for i in 0..count {
+            ahead.ask(i);
             for leg in 0..legs {
                 let mut push = [[part.all(0.0); MODES]; 2];
                 for group in members[leg].clone() {

@@ -129,10 +129,10 @@ def test_a_survey_may_be_an_erd_file(tmp_path: Path) -> None:
 def test_crater_repair(tmp_path: Path) -> None:
     text = (
         '[[track]]\nshape = "crater_repair"\nlength = "930 in"\nupheaval = 0.0508\n'
-        'settlement = "1 in"\nslope = "10 ft"\n'
+        'settlement = "1 in"\nupheaval_length = "10 ft"\n'
     )
     case = read(tmp_path, METRES + F4E + text + RUN)
-    expected = rm.Profile.crater_repair(930.0, upheaval=2.0, settlement=1.0, slope=120.0)
+    expected = rm.Profile.crater_repair(930.0, upheaval=2.0, settlement=1.0, upheaval_length=120.0)
     np.testing.assert_allclose(case.tracks["left"].x / 0.0254, expected.x, rtol=1e-14)
     np.testing.assert_allclose(case.tracks["left"].z / 0.0254, expected.z, rtol=1e-14)
     assert case.notes == (

@@ -86,7 +86,7 @@ SCALARS: list[tuple[str, Make, str]] = [
     ("length", lambda v: rm.Profile.crater_repair(v, 2.0, 1.0, 60.0), "positive"),
     ("upheaval", lambda v: rm.Profile.crater_repair(930.0, v, 1.0, 60.0), "any"),
     ("settlement", lambda v: rm.Profile.crater_repair(930.0, 2.0, v, 60.0), "any"),
-    ("slope", lambda v: rm.Profile.crater_repair(930.0, 2.0, 1.0, v), "not negative"),
+    ("upheaval_length", lambda v: rm.Profile.crater_repair(930.0, 2.0, 1.0, v), "not negative"),
     ("start", lambda v: rm.Profile.crater_repair(930.0, 2.0, 1.0, 60.0, start=v), "any"),
     ("gap", lambda v: rm.Profile.sequence([MAT, MAT], v), "not negative"),
     ("dx", lambda v: MAT.shifted(v), "any"),
@@ -173,7 +173,7 @@ def test_a_tiny_or_huge_number(name: str, make: Make, _allowed: str, value: floa
             "length": "ramp",
             "ramp": "z[1]",
             "dx": "x",
-            "slope": "x[",
+            "upheaval_length": "x[",
         }
         heights = {"height", "depth", "upheaval", "settlement"}
         names = [name.split("[")[0], related.get(name, name), *(["z["] if name in heights else [])]

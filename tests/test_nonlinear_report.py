@@ -110,9 +110,9 @@ def test_stand_in_itself_is_not_cancelled_at_the_trailing_edge(
     lag = 279.25 / SPEED
     times = np.arange(lag + 12.0 / SPEED, lag + 930.0 / SPEED, 1e-4)
     hertz = crossings(times, response.at(times).load[:, 1] - response.static_load[1])
-    # Found: 1.87, 1.88, 1.85 Hz, and a ratio of 1.079.
+    # Found: 1.87, 1.88, 1.85 Hz, and a ratio of 1.111.
     np.testing.assert_allclose(hertz, 1.867, rtol=0.01)
-    assert after_over_on(response) == pytest.approx(1.079, abs=1e-3)
+    assert after_over_on(response) == pytest.approx(1.111, abs=1e-3)
 
 
 def crossings(times: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -125,7 +125,8 @@ def after_over_on(response: rm.Response | nonlinear.Response) -> float:
     lag = 234.9 + 44.35
 
     def load_range(begin: float, end: float) -> float:
-        extremes = response.at([begin, end]).extremes()
+        # Not at the edges themselves, where loads jump that dampers push.
+        extremes = response.at([begin + 1e-6, end - 1e-6]).extremes()
         return float(extremes.max_load[1] - extremes.min_load[1])
 
     off = (930.0 + lag) / SPEED

@@ -74,7 +74,7 @@ def test_crater_repair_without_upheaval_and_settlement_is_the_mat() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"slope": -1.0}, "slope = -1.0 is negative"),
+        ({"upheaval_length": -1.0}, "upheaval_length = -1.0 is negative"),
         ({"length": 24.0}, "ramp = 12.0 is half the length 24.0: no mat to settle"),
         ({"length": 20.0}, "ramp = 12.0 is not between 0 and 10.0, half the length"),
         ({"length": -1.0}, "length = -1.0 is not positive"),
@@ -82,7 +82,13 @@ def test_crater_repair_without_upheaval_and_settlement_is_the_mat() -> None:
     ],
 )
 def test_crater_repair_refuses(changes: dict[str, float], message: str) -> None:
-    values = {"length": 930.0, "upheaval": 2.0, "settlement": 1.0, "slope": 60.0, **changes}
+    values = {
+        "length": 930.0,
+        "upheaval": 2.0,
+        "settlement": 1.0,
+        "upheaval_length": 60.0,
+        **changes,
+    }
     with pytest.raises(rm.InputError, match=message):
         rm.Profile.crater_repair(**values)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import runway_modal as rm
+from runway_modal import report1980
 
 #: Wheelbase of the F-4E (Table 1) and overall length of the full mat [in].
 WHEELBASE, FULL_MAT = 234.9 + 44.35, 930.0
@@ -18,8 +19,9 @@ RAMP = 12.0
 
 def ranges(response: rm.Response, lag: float) -> tuple[np.ndarray, np.ndarray]:
     """Load ranges of all gears on the level of the full mat and after it, `lag` inches behind."""
-    start, end = np.array([lag, lag + FULL_MAT]) / SPEED
-    on = response.at([start + RAMP / SPEED, end - RAMP / SPEED]).extremes()
+    start, end = np.array([lag, lag + FULL_MAT]) / response.speed
+    ramp = RAMP / response.speed
+    on = response.at([start + ramp, end - ramp]).extremes()
     after = response.at([end, end + 5.0]).extremes()
     return on.max_load - on.min_load, after.max_load - after.min_load
 
@@ -35,6 +37,16 @@ def test_full_mat_is_amplified_with_table_3_and_cancelled_with_table_4(
     on, after = ranges(response, WHEELBASE)
     # Found: 1.527 and 0.526, the same for both mains.
     np.testing.assert_allclose((after / on)[1:], ratio, rtol=0, atol=5e-4)
+
+
+def test_after_over_on_is_of_the_run_s_own_speed() -> None:
+    mat = rm.Profile.full_mat()
+    for knots in (20.0, 40.0):
+        response = rm.simulate(rm.f4e().modes(0.01), mat, rm.knots(knots))
+        on, after = ranges(response, WHEELBASE)
+        # Found: 1.527 and 0.943.
+        found = report1980.after_over_on(response, mat)[1:]
+        np.testing.assert_allclose(found, (after / on)[1:], rtol=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -156,7 +156,7 @@ class Profile:
         length: float,
         upheaval: float,
         settlement: float,
-        slope: float,
+        upheaval_length: float,
         height: float = 1.5,
         ramp: float = 12.0,
         start: float = 0.0,
@@ -176,7 +176,7 @@ class Profile:
             Height of the heaved pavement at the mat's edges [length].
         settlement : float
             How far the mat's middle lies below its ends, positive down [length].
-        slope : float
+        upheaval_length : float
             Length of heaved pavement before the mat, and after it; 0 for a lip [length].
         height : float
             Thickness of the mat [length]. Default: as for `mat`.
@@ -193,8 +193,8 @@ class Profile:
         Raises
         ------
         InputError
-            If a value is not finite, `length` is not positive, `slope` is negative, or the two
-            ramps leave no mat between them.
+            If a value is not finite, `length` is not positive, `upheaval_length` is negative, or
+            the two ramps leave no mat between them.
 
         Notes
         -----
@@ -205,7 +205,9 @@ class Profile:
         Examples
         --------
         >>> import runway_modal as rm
-        >>> repair = rm.Profile.crater_repair(930.0, upheaval=2.0, settlement=1.0, slope=120.0)
+        >>> repair = rm.Profile.crater_repair(
+        ...     930.0, upheaval=2.0, settlement=1.0, upheaval_length=120.0
+        ... )
         >>> repair.x
         array([   0.,  120.,  132.,  585., 1038., 1050., 1170.])
         >>> repair.z
@@ -214,14 +216,14 @@ class Profile:
         cls.mat(length, height, ramp)  # refuses what a mat refuses
         length, height, ramp = float(length), float(height), float(ramp)
         upheaval, settlement = finite("upheaval", upheaval), finite("settlement", settlement)
-        slope, start = finite("slope", slope), finite("start", start)
-        if slope < 0:
-            raise InputError(f"slope = {slope!r} is negative")
+        upheaval_length, start = finite("upheaval_length", upheaval_length), finite("start", start)
+        if upheaval_length < 0:
+            raise InputError(f"upheaval_length = {upheaval_length!r} is negative")
         if 2 * ramp == length:
             raise InputError(f"ramp = {ramp!r} is half the length {length!r}: no mat to settle")
-        edge, top = start + slope, upheaval + height
+        edge, top = start + upheaval_length, upheaval + height
         half = [start, edge, edge + ramp]
-        mirrored = [edge + (length - ramp), edge + length, edge + length + slope]
+        mirrored = [edge + (length - ramp), edge + length, edge + length + upheaval_length]
         rise = [0.0, upheaval, top]
         return cls(
             [*half, edge + 0.5 * length, *mirrored], [*rise, top - settlement, *reversed(rise)]

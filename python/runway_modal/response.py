@@ -156,10 +156,15 @@ class Response(Shown):
     def _stations(self) -> list[tuple[float, float]]:
         return list(self.aircraft.stations.values())
 
+    @property
+    def speed(self) -> float:
+        """Ground speed [length/time]."""
+        return self._run.speed()
+
     @cached_property
     def distance(self) -> NDArray[np.float64]:
         """Distance of the foremost gear past station 0, shape (n,) [length]."""
-        return read_only(self.time * self._run.speed())
+        return read_only(self.time * self.speed)
 
     @cached_property
     def cg(self) -> NDArray[np.float64]:

@@ -287,7 +287,7 @@ def f4e(polytropic: float = 1.0, damping_ratio: float = 0.01) -> Aircraft:
     the gas law, its exponent and the dampers are inferred, chosen so that the full mat gives the
     stiffnesses the report prints for TAXI. That is a calibration, not a prediction. On the mat its
     main gears bounce at 1.87 Hz, and the trailing edge leaves their loads' range nearly as it is
-    (after ÷ on the mat 1.08) where the report says that of TAXI is reduced.
+    (after ÷ on the mat 1.11) where the report says that of TAXI is reduced.
 
     Parameters
     ----------

@@ -100,6 +100,8 @@ class Response(Shown):
 
     #: The aircraft of the run.
     aircraft: Aircraft
+    #: Ground speed [length/time].
+    speed: float
     #: Sample times, shape (n,) [time].
     time: Array
 
@@ -114,7 +116,7 @@ class Response(Shown):
         self.aircraft = aircraft
         self._motion = motion
         self._pieces = pieces
-        self._speed = speed
+        self.speed = speed
         time = array("times", np.atleast_1d(any_array("times", times))).copy()
         if not time.size:
             raise InputError("times has 0 entries, at least 1 needed")
@@ -161,7 +163,7 @@ class Response(Shown):
     @cached_property
     def distance(self) -> Array:
         """Distance of the foremost gear past station 0, shape (n,) [length]."""
-        return read_only(self.time * self._speed)
+        return read_only(self.time * self.speed)
 
     @property
     def cg(self) -> Array:
@@ -252,7 +254,7 @@ class Response(Shown):
         >>> response.at([0.5, 1.0]).load.shape
         (2, 3)
         """
-        return Response(self.aircraft, self._motion, self._pieces, self._speed, times)
+        return Response(self.aircraft, self._motion, self._pieces, self.speed, times)
 
     def extremes(self) -> Extremes:
         """
@@ -332,7 +334,7 @@ class Response(Shown):
     def _window(self, begin: float, end: float, gear: int) -> tuple[float, float]:
         arms = [gear.x for gear in self.aircraft.gears]
         lag = max(arms) - arms[gear]
-        return (begin + lag) / self._speed, (end + lag) / self._speed
+        return (begin + lag) / self.speed, (end + lag) / self.speed
 
     def stiffness_between(self, begin: float, end: float, step: float = 0.01) -> dict[str, Array]:
         """

@@ -63,20 +63,12 @@ def largest_and_smallest(response: Run) -> tuple[float, float]:
     )
 
 
-#: Off a mat's edge [s]: there loads jump where a damper is pushed, which is not vibration.
-_ASIDE = 1e-6
-
-
 def trailing_edge(response: Run, mat: Profile) -> float:
     """Divide the true range of main gear load after the mat by that on it; > 1: amplified."""
     column = _main_column(response)
     begin, end, off = (mat.x[1:4] + runs.WHEELBASE) / runs.MAT_SPEED
-
-    def span(first: float, last: float) -> float:
-        found = response.at([first + _ASIDE, last - _ASIDE]).extremes()
-        return float(found.max_load[column] - found.min_load[column])
-
-    return span(off, float(runs.TIMES[-1])) / span(begin, end)
+    after = runs.load_range(response, column, off, float(runs.TIMES[-1]))
+    return after / runs.load_range(response, column, begin, end)
 
 
 def on(mat: Profile) -> slice:

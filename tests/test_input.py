@@ -175,7 +175,7 @@ def test_a_tiny_or_huge_number(name: str, make: Make, _allowed: str, value: floa
             "dx": "x",
             "upheaval_length": "x[",
         }
-        heights = {"height", "depth", "upheaval", "settlement"}
+        heights = {"height", "depth", "upheaval", "upheaval_length", "settlement"}
         names = [name.split("[")[0], related.get(name, name), *(["z["] if name in heights else [])]
         if name in ("length", "start"):
             names.append("z[")

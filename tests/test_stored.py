@@ -92,7 +92,7 @@ def test_another_setup_is_refused(tmp_path, modes, surface, change, named):
 def test_another_aircraft_is_refused(tmp_path, modes, surface):
     runway = RUNWAY | {"runs": 10}
     stored.monte_carlo(tmp_path, modes, surface, **runway)
-    with pytest.raises(rm.InputError, match="damping ratio"):
+    with pytest.raises(rm.InputError, match="damping_ratio"):
         stored.monte_carlo(tmp_path, rm.f4e().modes(0.02), surface, **runway)
 
 
@@ -117,8 +117,8 @@ def test_runs_from_disk_merge_with_their_like_alone(tmp_path, modes, surface):
     given = (rm.f4e(), modes.omega, modes.damping_ratio, modes.shapes)
     for other, named in (
         (measured, "gears"),
-        (rm.f4e().modes(0.02), "damping ratio"),
-        (rm.Modes(*given, static_correction=True), "static correction"),
+        (rm.f4e().modes(0.02), "damping_ratio"),
+        (rm.Modes(*given, static_correction=True), "static_correction"),
     ):
         apart = rm.monte_carlo(other, surface, **RUNWAY, runs=5, first_run=10)
         with pytest.raises(rm.InputError, match=named):

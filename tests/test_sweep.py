@@ -271,7 +271,8 @@ def test_other_bad_input() -> None:
         ({"quantity": "max_acceleration"}, "at = 'left': no such station"),
         ({"tolerance": 0.0}, "tolerance = 0.0 is not positive"),
         ({"tolerance": np.nan}, "tolerance = NaN is not finite"),
-        ({"max_runs": 10}, "max_runs = 10 is not between 100"),
+        ({"max_runs": 10}, "max_runs = 10 must be at least 100"),
+        ({"max_runs": 200.5}, "max_runs = 200.5 is not a whole number"),
         ({"max_runs": 200, "tolerance": 1.0}, "tolerance = 1.0 is not reached within max_runs"),
     ],
 )

@@ -697,7 +697,7 @@ def simulate_many(
     setup = {
         **of_modes,
         "tracks": tracks,
-        "count of stations": count,
+        "station_count": count,
         "spacing": h,
         "damping_input": damping_input,
     }
@@ -757,11 +757,11 @@ def describe(modes: Modes) -> dict[str, Any]:
     return {
         "gears": gears,
         "stations": [[name, *point] for name, point in aircraft.stations.items()],
-        "static load": aircraft.static_load.tolist(),
+        "static_load": aircraft.static_load.tolist(),
         "omega": modes.omega.tolist(),
-        "damping ratio": modes.damping_ratio.tolist(),
+        "damping_ratio": modes.damping_ratio.tolist(),
         "shapes": modes.shapes.tolist(),
-        "static correction": modes.static_correction,
+        "static_correction": modes.static_correction,
     }
 
 

@@ -229,7 +229,7 @@ def _read(file: Path, common: dict[str, Any], last: int | None) -> Ensemble:
         gear_names=tuple(gears["max_load"]),
         setup=common,
         failures=failures,
-        static_load=np.broadcast_to(common["static load"], values["max_load"].shape),
+        static_load=np.broadcast_to(common["static_load"], values["max_load"].shape),
         **values,
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import any_array, array, flag, number, read_only
+from ._input import any_array, array, flag, integer, number, read_only
 from ._tracks import by_gear
 from .modes import Modes, check_modes
 
@@ -466,11 +466,9 @@ def worst_speed(
             f"at = {at!r}: no such {'gear' if loads else 'station'}; there are {names}"
         )
     gear, point = (names.index(at), (0.0, 0.0)) if loads else (0, aircraft.stations[at])
-    most = number("max_runs", max_runs)
-    if not 100 <= most <= 2**53:
-        raise InputError(f"max_runs = {max_runs!r} is not between 100 and 2**53")
+    most = integer("max_runs", max_runs, 100, 2**53)
     speed, value, bound, runs = course.worst(
-        quantity, gear, point, (low, high), number("tolerance", tolerance), int(most)
+        quantity, gear, point, (low, high), number("tolerance", tolerance), most
     )
     return WorstSpeed(speed=speed, value=value, bound=bound, runs=runs)
 

@@ -29,7 +29,7 @@ MAKEFLAGS += --no-builtin-rules
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
 .PHONY: help demo test fmt lint lint-rust lint-python test-rust test-python bench bench-smoke \
-	same-bits accuracy slow clean toolchain
+	same-bits accuracy slow clean toolchain linters
 
 help: ## this list
 	@awk -F '## ' '/^[a-z-]+:.*## / { split($$1, target, ":"); printf "  make %-13s %s\n", target[1], $$2 }' Makefile
@@ -43,7 +43,7 @@ test: ## everything CI runs
 	@$(MAKE) --no-print-directory bench-smoke
 	@$(MAKE) --no-print-directory test-python
 
-fmt: $(DEV) ## format all sources
+fmt: $(DEV) linters ## format all sources
 	cargo fmt
 	$(BIN)/ruff check --fix-only --quiet .
 	$(BIN)/ruff format .
@@ -56,7 +56,7 @@ lint-python: $(DEV)
 	$(BIN)/mypy --strict
 	$(PY) -m mypy.stubtest runway_modal._core
 
-lint-rust: $(MADE)
+lint-rust: $(MADE) linters
 	cargo fmt --check
 	cargo clippy --quiet --locked --all-targets -- -D warnings
 	cargo clippy --quiet --locked --all-targets --all-features -- -D warnings
@@ -98,7 +98,7 @@ slow: $(DEV) ## the tests that take minutes
 	$(BIN)/pytest -m slow
 
 clean: ## remove all that was made
-	rm -rf .venv target .pytest_cache .mypy_cache .ruff_cache .hypothesis $(CORE)
+	rm -rf .venv target .pytest_cache .mypy_cache .ruff_cache .hypothesis $(CORE) full_mat.png
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 toolchain:
@@ -107,6 +107,11 @@ toolchain:
 	@need=$$(sed -n 's/^rust-version = "1\.\([0-9]*\).*/\1/p' Cargo.toml); \
 	have=$$(cargo --version | sed 's/^cargo 1\.\([0-9]*\).*/\1/'); \
 	[[ $$have -ge $$need ]] || { echo "error: Rust 1.$$need or later needed, found 1.$$have; rustup update" >&2; exit 1; }
+
+# Distributions and rustup's minimal profile leave these out.
+linters: toolchain
+	@{ cargo clippy --version && cargo fmt --version; } >/dev/null 2>&1 \
+		|| { echo "error: no clippy or rustfmt; rustup component add clippy rustfmt" >&2; exit 1; }
 
 # Names what is missing rather than failing half way.
 $(MADE): | toolchain

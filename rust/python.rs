@@ -634,6 +634,9 @@ mod _core {
         Aircraft, Course, Gear, Generator, InputError, Modes, NumericalError, Profile, Run, Spectrum,
         monte_carlo, series, simulate_many,
     };
+
+    #[pymodule_export]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
 }
 
 /// All that Python's objects hold by value.

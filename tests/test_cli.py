@@ -61,6 +61,37 @@ def test_blows_that_are_left_out_are_said(
     assert ("strike the dampers of gear" in capsys.readouterr().out) == struck
 
 
+@pytest.mark.parametrize(
+    ("ratio", "given", "said"), [(0.1, "", True), (0.02, "", False), (0.1, "true", False)]
+)
+def test_dampers_that_do_not_feel_the_ground_are_said(
+    case: Path, capsys: pytest.CaptureFixture[str], ratio: float, given: str, said: bool
+) -> None:
+    case.write_text(
+        '[units]\nlength = "in"\nforce = "lbf"\n[single_dof]\nmass = 145.5\nomega = 12\n'
+        f'damping_ratio = {ratio}\n[[track]]\nshape = "full_mat"\n[run]\nspeeds = ["20 kt"]\n'
+        + (f"damping_input = {given}\n" if given else ""),
+        "utf-8",
+    )
+    assert main(["run", str(case)]) == 0
+    assert ("not the ground's" in capsys.readouterr().out) == said
+
+
+def test_a_grade_is_said_and_taken_out(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case.with_name("survey.csv").write_text("x [m],z [m]\n0,10\n500,16\n1500,25\n", "utf-8")
+    text = (
+        '[units]\nlength = "m"\nforce = "N"\n[aircraft]\npreset = "f4e"\ndamping_ratio = 0.01\n'
+        '[[track]]\nfile = "survey.csv"\n{}[run]\nspeeds = ["100 kt"]\n'
+    )
+    case.write_text(text.format(""), "utf-8")
+    assert main(["run", str(case)]) == 0
+    said = capsys.readouterr().out
+    assert "the track under nose, left, right rises by +15 m." in said
+    case.write_text(text.format("detrend = true\n"), "utf-8")
+    assert main(["run", str(case)]) == 0
+    assert "rises by" not in capsys.readouterr().out
+
+
 def test_tables_are_aligned_at_the_right(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", str(case)]) == 0
     lines = capsys.readouterr().out.splitlines()

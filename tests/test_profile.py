@@ -93,6 +93,31 @@ def test_crater_repair_refuses(changes: dict[str, float], message: str) -> None:
         rm.Profile.crater_repair(**values)
 
 
+def test_detrended_is_the_profile_above_the_line_through_its_ends() -> None:
+    x, z = [-50.0, 0.0, 0.0, 70.0, 150.0], [3.0, 8.0, 9.0, -2.0, 13.0]
+    found = rm.Profile(x, z).detrended()
+    np.testing.assert_array_equal(found.x, x)
+    line = 3.0 + 0.05 * (np.array(x) + 50.0)
+    np.testing.assert_allclose(found.z, z - line, rtol=0, atol=1e-14)
+    assert found.z[0] == found.z[-1] == 0.0
+    assert rm.Profile([5.0], [7.0]).detrended() == rm.Profile([5.0], [0.0])
+
+
+def test_a_grade_loads_gears_by_its_kinks_alone() -> None:
+    modes = rm.f4e().modes(0.05)
+    bump = rm.Profile.one_minus_cosine(300.0, 2.0, start=30_000.0)
+    climb = rm.Profile([0.0, 60_000.0], [0.0, 600.0])
+    times = np.linspace(34.0, 36.0, 200)
+    both, alone = (
+        rm.simulate(modes, track, 900.0, times=times).load for track in (climb + bump, bump)
+    )
+    # In the report's model a damped mode lags behind a steady climb.
+    lag = both - alone
+    np.testing.assert_allclose(lag, np.broadcast_to(lag[0], lag.shape), rtol=1e-3)
+    detrended = rm.simulate(modes, (climb + bump).detrended(), 900.0, times=times).load
+    np.testing.assert_allclose(detrended, alone, rtol=1e-9)
+
+
 def test_sequence_is_a_sum_at_stations() -> None:
     mat, spall = rm.Profile.full_mat(), rm.Profile.two_foot_spall().shifted(-7.0)
     bump = rm.Profile.one_minus_cosine(100.0, 2.0)

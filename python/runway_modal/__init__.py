@@ -4,7 +4,7 @@ Exact modal response of an aircraft rolling over a runway profile.
 Any consistent unit system; the report's is lbf, in, s. See `simulate`.
 """
 
-from ._core import InputError, NumericalError
+from ._core import InputError, NumericalError, __version__
 from .aircraft import Aircraft, Gear, equivalent_stiffness, f4e, single_dof
 from .ensemble import Ensemble, Estimate, simulate_many
 from .modes import Modes
@@ -32,6 +32,7 @@ __all__ = [
     "Sweep",
     "Units",
     "WorstSpeed",
+    "__version__",
     "equivalent_stiffness",
     "f4e",
     "knots",

@@ -100,11 +100,12 @@ _PLACE = ("gears", "start", "gap")
 def _file(table: Table, units: Units) -> Profile:
     path = table.path.parent / table.text("file")
     if path.suffix.lower() == ".erd":
-        table.only("file", "unit", "elevation", *_PLACE)
+        table.only("file", "unit", "elevation", "detrend", *_PLACE)
     else:
         layout = ("delimiter", "decimal", "skiprows")
-        table.only("file", "unit", "station", "elevation", *layout, *_PLACE)
-    options = {key: table.get(key) for key in table.values if key not in ("file", *_PLACE)}
+        table.only("file", "unit", "station", "elevation", "detrend", *layout, *_PLACE)
+    others = ("file", "detrend", *_PLACE)
+    options = {key: table.get(key) for key in table.values if key not in others}
     if isinstance(options.get("elevation"), dict):
         raise table.fault("elevation is not a heading or a number", "elevation")
     if isinstance(options.get("unit"), list):
@@ -112,9 +113,10 @@ def _file(table: Table, units: Units) -> Profile:
     with table.located():
         try:
             reader: Callable[..., Profile] = read_erd if path.suffix.lower() == ".erd" else read_csv
-            return reader(path, units.length, **options)
+            profile = reader(path, units.length, **options)
         except OSError as error:
             raise InputError(f"file: cannot read {path}: {error.strerror}") from None
+    return profile.detrended() if table.flag("detrend") else profile
 
 
 def _shape(table: Table, units: Units, notes: list[str]) -> Profile:

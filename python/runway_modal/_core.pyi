@@ -14,10 +14,13 @@ __all__ = [
     "Profile",
     "Run",
     "Spectrum",
+    "__version__",
     "monte_carlo",
     "series",
     "simulate_many",
 ]
+
+__version__: str
 
 class InputError(ValueError): ...
 class NumericalError(ArithmeticError): ...

@@ -6,9 +6,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
-
 from . import tables, tables_response
+from ._case_notes import notes
 from ._case_output import STANDARD, modes_table, opened, save_figure, say, stated_speed, told
 from ._input import integer
 from .case import Case, read_case
@@ -49,13 +48,7 @@ def _summary(case: Case, runs: Runs) -> Iterator[str]:
     units = case.units
     yield case.title
     yield f"Units: {units.length}, {units.force}, s"
-    for note in case.notes:
-        yield f"Inferred, not published: {note}"
-    if struck := _struck(case):
-        yield (
-            f"WARNING: vertical steps strike the dampers of {', '.join(struck)}: that blow is left "
-            "out; a ramp or [footprint] shows it."
-        )
+    yield from notes(case)
     yield ""
     if case.reference is not None:
         yield "Nonlinear aircraft; its modes near rest:"
@@ -63,14 +56,6 @@ def _summary(case: Case, runs: Runs) -> Iterator[str]:
     for name, response in runs.items():
         yield ""
         yield from _of_speed(case, name, response)
-
-
-def _struck(case: Case) -> list[str]:
-    """Gears whose dampers a linear run has meet a vertical step, an infinite load for no time."""
-    if case.reference is not None or not case.damping_input:
-        return []
-    steep = [name for name, track in (case.tracks or {}).items() if (np.diff(track.x) == 0.0).any()]
-    return [gear.name for gear in case.modes.aircraft.gears if gear.damping and gear.name in steep]
 
 
 def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) -> Iterator[str]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from . import stored, tables, tables_ensemble
 from ._axes import require
+from ._case_notes import on_dampers
 from ._case_output import STANDARD, modes_table, opened, save_figure, say, stated_speed, told
 from ._core import InputError
 from ._input import integer
@@ -131,6 +132,7 @@ def _summary(
     length, force = case.units.length, case.units.force
     yield _title(case)
     yield f"Units: {length}, {force}, s"
+    yield from on_dampers(case, {})
     low, high = random.roughness.band
     yield (
         f"Runways {random.length:.6g} {length} long, a station every {random.spacing:.6g} "

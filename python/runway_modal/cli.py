@@ -6,13 +6,12 @@ import argparse
 import io
 import os
 import sys
-from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _run_case
-from ._core import InputError, NumericalError
+from ._core import InputError, NumericalError, __version__
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -81,7 +80,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog=_BEGIN,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--version", action="version", version=version("runway_modal"))
+    parser.add_argument("--version", action="version", version=__version__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     def add(name: str, run: Callable[[argparse.Namespace], None], does: str, more: str = "") -> Any:

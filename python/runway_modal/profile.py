@@ -525,6 +525,32 @@ class Profile:
         """
         return self._wrap(self._core.shifted(number("dx", dx)))
 
+    def detrended(self) -> Profile:
+        """
+        Take out the grade: the straight line through the first and the last breakpoint.
+
+        A runway is level before and after its profile, so that a survey on a grade begins and ends
+        with a kink that no aircraft meets, and whose loads may well be the largest of the run. What
+        is taken out would load no gear but through the dampers.
+
+        Returns
+        -------
+        Profile
+            The profile above that line: it begins and ends at elevation 0. A profile without
+            length is moved there.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> survey = rm.Profile([0.0, 100.0, 200.0], [350.0, 351.5, 352.0])
+        >>> survey.detrended().z
+        array([0. , 0.5, 0. ])
+        """
+        x, z = self.x, self.z
+        length = x[-1] - x[0]
+        along = (x - x[0]) / length if length else np.zeros(x.size)
+        return type(self)(x, z - (z[0] * (1.0 - along) + z[-1] * along))
+
     def footprint(self, length: float, tolerance: float | None = None) -> Profile:
         """
         Envelope the profile: the mean elevation under a tire of finite contact length.

@@ -108,7 +108,8 @@ def read_csv(
     Returns
     -------
     Profile or dict of Profile
-        The profile, or one for each entry of `elevation`, by its name [to].
+        The profile, or one for each entry of `elevation`, by its name [to]. Of a runway on a grade
+        take `Profile.detrended`.
 
     Raises
     ------

@@ -75,6 +75,10 @@ def simulate(
 
     Notes
     -----
+    The runway is level before the first and after the last breakpoint: a survey on a grade begins
+    and ends with a kink whose loads may be the largest of the run. `Profile.detrended` takes the
+    grade out.
+
     A vertical step under a damped gear with `damping_input` gives the aircraft a blow. The infinite
     load of that instant is not part of the results, so a sharp edge may seem milder than a steep
     ramp: give it one, or take `Profile.footprint`.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._chunks import CHUNK, Chunk, chunks, joined
-from ._core import InputError
+from ._core import InputError, __version__
 from ._input import integer, read_only
 from .ensemble import Ensemble
 from .roughness import setup
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["monte_carlo", "read"]
 
-_SETUP = "setup.json"
+_SETUP = "_setup.json"
 
 
 def monte_carlo(
@@ -95,7 +94,7 @@ def monte_carlo(
         damping_input=options.get("damping_input", False),
     )
     about = {
-        "runway_modal": version("runway_modal"),
+        "runway_modal": __version__,
         "chunk": chunk,
         "first_run": options.get("first_run", 0),
         "speed": np.asarray(options["speed"]).tolist(),

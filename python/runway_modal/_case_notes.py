@@ -1,0 +1,63 @@
+"""What to know of a case before its numbers are trusted."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from .case import Case
+    from .profile import Profile
+
+#: Damping ratio beyond which it matters whether dampers feel the ground.
+_DAMPED = 0.03
+
+#: Grade from end to end beyond which the kinks at both ends matter.
+_GRADE = 1e-3
+
+
+def notes(case: Case) -> Iterator[str]:
+    """Tell what is inferred, left out or added by the model, a line each."""
+    tracks = case.tracks or {}
+    for note in case.notes:
+        yield f"Inferred, not published: {note}"
+    if case.reference is None:
+        yield from on_dampers(case, tracks)
+    yield from _on_grades(case, tracks)
+
+
+def on_dampers(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:
+    """Tell what a linear run over these tracks leaves out of the dampers."""
+    damped = [gear.name for gear in case.modes.aircraft.gears if gear.damping]
+    if not damped:
+        return
+    if not case.damping_input:
+        if case.modes.damping_ratio.max() > _DAMPED:
+            yield (
+                "WARNING: the dampers feel the aircraft's motion but not the ground's, as in the "
+                "report: loads may be far too low; [run] damping_input = true."
+            )
+        return
+    struck = [name for name in damped if name in tracks and (np.diff(tracks[name].x) == 0.0).any()]
+    if struck:
+        yield (
+            f"WARNING: vertical steps strike the dampers of {', '.join(struck)}: that blow is left "
+            "out; a ramp or [footprint] shows it."
+        )
+
+
+def _on_grades(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:
+    by_grade: dict[str, list[str]] = {}
+    for name, track in tracks.items():
+        rise, length = track.z[-1] - track.z[0], track.x[-1] - track.x[0]
+        if abs(rise) > _GRADE * length:
+            by_grade.setdefault(f"{rise:+.4g} {case.units.length}", []).append(name)
+    for rise, names in by_grade.items():
+        yield (
+            f"NOTE: from end to end the track under {', '.join(names)} rises by {rise}. Before and "
+            "after it the runway is level: the loads at these kinks count. detrend = true takes "
+            "the grade out."
+        )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from textwrap import fill
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -95,7 +96,7 @@ def loads_over_profile(
     *panels, ground = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     for panel, (label, column) in zip(panels, columns, strict=True):
         _draw_loads(panel, [(name, run, column) for name, run in responses.items()], units, against)
-        panel.set_ylabel(f"{label} {panel.get_ylabel()}")
+        panel.set_ylabel(fill(f"{label} {panel.get_ylabel()}", 28))
     _draw_elevations(ground, responses, columns, units, against)
     ends = np.array([getattr(run, against)[[0, -1]] for run in responses.values()])
     if ends.min() < ends.max():
@@ -163,35 +164,37 @@ def _draw_elevations(
     against: str,
 ) -> None:
     """Draw the elevations under gears by label; gears and runs over the same share a line."""
+    from matplotlib.lines import Line2D
+
     grounds: dict[str, Results] = {}
     # The longest run shows most.
     for name, run in sorted(responses.items(), key=lambda item: -getattr(item[1], against)[-1]):
         if not any(_same_ground(there, run, columns, against) for there in grounds.values()):
             grounds[name] = run
     drawn: list[NDArray[np.float64]] = []
+    keys: dict[tuple[str, str], None] = {}
     for run_name, response in grounds.items():
+        # Its loads' colour; black where the runs share the ground.
+        place = list(responses).index(run_name)
+        color = "k" if len(grounds) == 1 else line_style(place)[0]
         lines: dict[bytes, tuple[NDArray[np.float64], list[str]]] = {}
         for label, column in columns:
             elevation = response.elevation[:, column]
             lines.setdefault(elevation.tobytes(), (elevation, []))[1].append(label)
-        for elevation, labels in lines.values():
+        for i, (elevation, labels) in enumerate(lines.values()):
             # A title's word goes on in small letters, a letter that is a name does not.
             words = (each[0].lower() + each[1:] if each[1:2].islower() else each for each in labels)
-            of_run = f", {run_name}" if len(grounds) > 1 else ""
+            dashes = ("-", "--", ":", "-.")[i % 4]
             at = getattr(response, against)
-            ax.plot(
-                at, elevation, "k", marker=dot(at),
-                ls=("-", "--", ":", "-.")[len(drawn) % 4], lw=1.1,
-                label=f"under the {', '.join(words)}{of_run}",
-            )  # fmt: skip
+            ax.plot(at, elevation, color=color, marker=dot(at), ls=dashes, lw=1.1)
+            keys[f"under the {', '.join(words)}", dashes] = None
             drawn.append(elevation)
+    handles = [Line2D([], [], color="k", ls=ls, lw=1.1, label=under) for under, ls in keys]
     low, high = min(0.0, *map(np.min, drawn)), max(0.0, *map(np.max, drawn))
     height = high - low or 1.0
     ax.set_ylim(low - 0.15 * height, high + 0.9 * height)
     ax.set_ylabel(axis_label("elevation", LENGTH, units))
-    ax.legend(
-        loc="upper right", ncols=3 if len(grounds) == 1 else 1, frameon=False, fontsize="small"
-    )
+    ax.legend(handles=handles, loc="upper right", ncols=3, frameon=False, fontsize="small")
     ax.grid(alpha=0.25)
 
 

@@ -570,3 +570,45 @@ def test_scipy_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "scipy.integrate", None)
     with pytest.raises(ImportError, match=r"runway_modal\[taxi\]"):
         nonlinear.simulate(nonlinear.f4e(), rm.Profile.full_mat(), SPEED)
+
+
+@pytest.mark.parametrize("datum", [0.0, 4204.02, 6e4])
+def test_rest_high_above_the_datum(datum: float) -> None:
+    heights = {"nose": datum, "left": datum + 1.29, "right": datum + 0.82}
+    tracks = {name: rm.Profile([0, 100], [z, z]) for name, z in heights.items()}
+    aircraft = nonlinear.f4e()
+    found = nonlinear.simulate(aircraft, tracks, 400.0, times=[0.0])
+    expected = rm.simulate(aircraft.linearised().modes(), tracks, 400.0, times=[0.0])
+    np.testing.assert_allclose(found.load, expected.load, rtol=1e-9)
+    level = nonlinear.simulate(
+        aircraft, {n: t + rm.Profile([0], [-datum]) for n, t in tracks.items()}, 400.0, times=[0.0]
+    )
+    np.testing.assert_allclose(found.cg[0] - level.cg[0], [datum, 0.0, 0.0], atol=1e-10)
+
+
+def test_a_step_at_the_last_time_shows_what_follows() -> None:
+    aircraft, step, last = nonlinear.f4e(), rm.Profile([0, 0], [0, 1]), 279.25 / 400.0
+    short = nonlinear.simulate(aircraft, step, 400.0, times=[0.0, last])
+    longer = nonlinear.simulate(aircraft, step, 400.0, times=[0.0, last, last + 1.0]).at(
+        [0.0, last]
+    )
+    np.testing.assert_array_equal(short.elevation, longer.elevation)
+    assert short.elevation[-1].tolist() == [1.0, 1.0, 1.0]
+    np.testing.assert_allclose(short.load, longer.load, rtol=1e-6)
+    highest = (short.extremes().max_load, longer.extremes().max_load)
+    np.testing.assert_allclose(*highest, rtol=1e-6)
+    sides = nonlinear.simulate(aircraft, step, 400.0, duration=last).load[-2:, 1]
+    assert sides[1] - sides[0] > 9000.0
+    at_once = nonlinear.simulate(aircraft, step, 400.0, times=[0.0])
+    assert at_once.elevation.tolist() == [[1.0, 0.0, 0.0]]
+
+
+def test_a_gear_that_carries_rounding_alone_is_refused() -> None:
+    gas = nonlinear.GasSpring
+    gears = [
+        nonlinear.Gear("a", 150.0, 50.0, gas(2e4, 2.0, 1.1), 9800.0),
+        nonlinear.Gear("b", 0.0, 50.0, gas(2e4, 2.0), 17000.0),
+        nonlinear.Gear("c", 0.0, -50.0, gas(2e4, 2.0), 10000.0),
+    ]
+    with pytest.raises(rm.InputError, match=r"gears\[0\]: 'a' carries .* at rest"):
+        nonlinear.Aircraft(mass=145.5, pitch_inertia=6.7e5, roll_inertia=3e5, gears=gears)

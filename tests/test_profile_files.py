@@ -255,6 +255,13 @@ def test_erd_in_free_format(path: Path) -> None:
     np.testing.assert_array_equal(profile.z, [0, 2, 4, 6, 8])
 
 
+@pytest.mark.parametrize("name", ["main;left", "a, b", 'the "left" one', "left; 'a', right"])
+def test_any_name_that_is_written_is_read(path: Path, name: str) -> None:
+    tracks = {name: MAT, "other": MAT}
+    rm.write_csv(path, tracks, "in")
+    assert rm.read_csv(path, "in", elevation={"one": name, "two": 2}) == {"one": MAT, "two": MAT}
+
+
 def test_all_names_that_are_known_are_told_once(path: Path) -> None:
     for read, text, names in (
         (rm.read_csv, "x,z\n0,0\n", "'x', 'z'"),

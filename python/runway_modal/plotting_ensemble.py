@@ -155,7 +155,7 @@ def plot_exceedance(
     ax.set_yscale("log")
     ax.set_ylim(0.5 / runs, 1.5)
     ax.set_xlabel(f"{LABELS[quantity]}{f' [{unit}]' if unit else ''}")
-    ax.set_ylabel(f"share of runs {'below' if below else 'above'}")
+    ax.set_ylabel(f"share of runs {'at or below' if below else 'above'}")
     ax.legend(framealpha=0.9, edgecolor="none", fontsize="small")
     ax.grid(alpha=0.25)
     return ax

@@ -39,6 +39,9 @@ if TYPE_CHECKING:
 #: The unit at the end of a heading: "station [m]" or "station (m)".
 _UNIT = re.compile(r"[\[(]([^][()]*)[\])]$")
 
+#: A cell in quotes, whatever stands in it.
+_QUOTED = re.compile(r'"[^"]*"')
+
 
 @overload
 def read_csv(
@@ -150,7 +153,8 @@ def read_csv(
         raise fault(path, skiprows + 1, f"no data: the file {'ends' if skiprows else 'is empty'}")
     first, heading = table[0]
     if delimiter is None:
-        delimiter = next((c for c in "\t;," if c in heading and c != decimal), None)
+        between = _QUOTED.sub("", heading)
+        delimiter = next((c for c in "\t;," if c in between and c != decimal), None)
     headings = [cell.strip() for cell in _cells(heading, delimiter)]
     header = not any(is_number(cell, decimal) for cell in headings)
     if not header:
@@ -258,4 +262,4 @@ def write_csv(path: FilePath, tracks: Profile | Mapping[str, Profile], unit: str
 
 
 def _quoted(cell: str) -> str:
-    return '"' + cell.replace('"', '""') + '"' if "," in cell or '"' in cell else cell
+    return '"' + cell.replace('"', '""') + '"' if any(c in cell for c in ',;"') else cell

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+#: Share of the weight below which a gear carries nothing but rounding.
+_NO_LOAD = 1e-9
+
 
 @dataclass(frozen=True, slots=True)
 class Gear:
@@ -185,7 +188,7 @@ class Aircraft:
         positive("gravity", self.gravity)
         loads = self._share(checked)
         for i, load in enumerate(loads.tolist()):
-            if not load > 0.0:
+            if not load > _NO_LOAD * self.mass * self.gravity:
                 raise InputError(
                     f"gears[{i}]: {gears[i].name!r} carries {load!r} at rest, "
                     "and a gear does not pull"

@@ -50,23 +50,26 @@ def equilibrium(
     NumericalError
         If it is not found.
     """
+    # From the first elevation on: a runway high above its datum costs no digits.
+    datum = np.array([elevation[0], 0.0, 0.0])
+    height = elevation - elevation[0]
     turn = geometry.T
     sizes = weight * np.maximum(abs(turn).max(axis=1), np.finfo(float).tiny)
 
     def state(q: Array) -> tuple[Array, Array, Array]:
         """Find loads, stiffnesses and what is out of balance."""
-        travel = (elevation - geometry @ q).tolist()
+        travel = (height - geometry @ q).tolist()
         pieces = [law.piece(s) for law, s in zip(laws, travel, strict=True)]
         loads = [law.load(*at) for law, *at in zip(laws, pieces, travel, strict=True)]
         slopes = [law.stiffness(*at) for law, *at in zip(laws, pieces, loads, strict=True)]
         excess = turn @ np.array(loads) - [weight, 0.0, 0.0]
         return np.array(loads), np.array(slopes), excess
 
-    q: Array = np.asarray(np.linalg.lstsq(geometry, elevation)[0], dtype=np.float64)
+    q: Array = np.asarray(np.linalg.lstsq(geometry, height)[0], dtype=np.float64)
     load, slope, excess = state(q)
     for _ in range(_ROUNDS):
         if (abs(excess) <= _BALANCED * sizes).all():
-            return q, load
+            return datum + q, load
         way = np.linalg.lstsq(turn * slope @ geometry, excess)[0]
         for halving in range(_HALVINGS):
             further = q + 0.5**halving * way

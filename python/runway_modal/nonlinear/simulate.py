@@ -160,10 +160,13 @@ class _Integration:
         breaks = [*(stretch.begin for stretch in moving), np.inf]
         yield Piece(-np.inf, breaks[0], level, states, [], [], y)
         for stretch, until in zip(moving, breaks[1:], strict=True):
-            if stretch.begin >= end:
+            if stretch.begin > end:
                 return
             y = self._motion.step(stretch, y)
             states = self._motion.settle(states, stretch, y)
+            if stretch.begin == end:
+                # The far side of a step at the very end.
+                yield Piece(end, end, stretch, states, [], [], y)
             time, at_once = stretch.begin, 0
             while time < min(until, end):
                 piece, y, change = self._smooth(states, stretch, time, min(until, end), y)

@@ -272,7 +272,7 @@ FIGURES = (
     Figure(
         13,
         "Spall Models",
-        "Two feet wide (printed); 1.5 in deep, sharp edges, 4 ft from edge to edge (inferred).",
+        "Two feet wide (printed); 1.5 in deep, sharp edges, 4 ft from one to the next (inferred).",
         lambda: _profiles(
             {"Two-foot spall": runs.TWO_FOOT_SPALL, "Double spall": runs.DOUBLE_SPALL}, 24.0
         ),

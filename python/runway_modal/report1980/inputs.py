@@ -44,7 +44,12 @@ INPUTS = (
     ),
     Input("Spall, length", "2 ft", "printed", "Section IV.7"),
     Input("Spall, depth and edges", "1.5 in, sharp", "inferred", "Figure 13 is lost"),
-    Input("Double spall, spacing", "4 ft edge to edge", "inferred", "Figure 13 is lost"),
+    Input(
+        "Double spall, spacing",
+        "4 ft from leading edge to leading edge",
+        "inferred",
+        "Figure 13 is lost",
+    ),
     Input("Strut and tire stiffness at static", "Table 2", "printed", "Section IV.2"),
     Input(
         "Gas law and damper of the nonlinear reference",

@@ -181,6 +181,98 @@ fn jumps(weights: Lanes, climb: Lanes) -> bool {
     weights.dot(climb).abs() > ROUNDING * weights.abs().dot(climb.abs())
 }
 
+/// A run over profiles that stand for all: their grid, and first elevations of zero. With it, which of
+/// them each of the run's tracks has.
+fn stand_in(
+    modes: &Arc<Modes>,
+    Stations { tracks, count, spacing }: Stations,
+    speed: f64,
+    damping_input: bool,
+) -> Result<(Run, Vec<usize>)> {
+    let last = (count.max(2) - 1) as f64 * spacing;
+    let (x, z) = if count > 2 {
+        (vec![0.0, spacing, last], vec![0.0, spacing, 0.0])
+    } else {
+        (vec![0.0, spacing], vec![0.0, spacing])
+    };
+    let profiles: Vec<Arc<Profile>> =
+        (0..tracks).map(|_| Ok(Arc::new(Profile::new(x.clone(), z.clone())?))).collect::<Result<_>>()?;
+    let gears = modes.aircraft().gears().len();
+    let of_gear: Vec<Arc<Profile>> =
+        (0..gears).map(|gear| Arc::clone(&profiles[if tracks == 1 { 0 } else { gear }])).collect();
+    let run = Run::new(Arc::clone(modes), &of_gear, speed, damping_input)?;
+    let source = |profile: &Arc<Profile>| profiles.iter().position(|other| Arc::ptr_eq(other, profile));
+    let sources = run.tracks.iter().map(|track| source(&track.profile).unwrap_or(0)).collect();
+    Ok((run, sources))
+}
+
+/// How the stations of a run's tracks divide a period into legs.
+struct Division {
+    /// Distance from the start of a period to that of each leg.
+    begins: Vec<f64>,
+    /// The run's tracks as groups, in the order of their legs.
+    order: Vec<usize>,
+    groups: Vec<Group>,
+}
+
+impl Division {
+    /// `sources`: whose elevations each track meets.
+    fn new(run: &Run, sources: &[usize], spacing: f64) -> Result<Self> {
+        let lags = run.tracks.iter().map(|track| split(track.lag, spacing)).collect::<Result<Vec<_>>>()?;
+        let mut begins: Vec<f64> = lags.iter().map(|&(_, rest)| rest).collect();
+        begins.sort_by(f64::total_cmp);
+        begins.dedup_by(|later, earlier| *later - *earlier <= HARMLESS * spacing);
+        let leg_of = |rest: f64| begins.iter().rposition(|&begin| begin <= rest).unwrap_or(0);
+        let group =
+            |(&track, &(whole, rest)): (&usize, &(usize, f64))| Group { track, whole, leg: leg_of(rest) };
+        let of_tracks: Vec<Group> = sources.iter().zip(&lags).map(group).collect();
+        let mut order: Vec<usize> = (0..of_tracks.len()).collect();
+        order.sort_by_key(|&track| of_tracks[track].leg);
+        let groups = order.iter().map(|&track| of_tracks[track]).collect();
+        Ok(Self { begins, order, groups })
+    }
+
+    /// The groups that begin a leg.
+    fn members(&self, leg: usize) -> Range<usize> {
+        let up_to = |leg: usize| self.groups.partition_point(|group| group.leg < leg);
+        up_to(leg)..up_to(leg + 1)
+    }
+
+    /// `forms`: of `loads` loads, then of accelerations; `kinked`: whether the slope of an output may
+    /// jump where a group meets a station.
+    fn layout(
+        &self,
+        stations: usize,
+        damped: bool,
+        (loads, forms): (usize, &[Form]),
+        kinked: impl Fn(&Form, usize) -> bool,
+    ) -> Layout {
+        let any = |weights: &[f64]| weights.iter().any(|&weight| weight != 0.0);
+        let lines = forms.iter().any(Form::has_line);
+        let legs = self.begins.len();
+        let kinks = |form: &Form| -> Vec<usize> {
+            let kinked = |&leg: &usize| lines || self.members(leg).any(|group| kinked(form, group));
+            let legs: Vec<usize> = (0..legs).filter(kinked).collect();
+            if legs.is_empty() { vec![0] } else { legs }
+        };
+        let behind = self.groups.iter().map(|group| (group.whole, group.leg)).max().unwrap_or((0, 0));
+        Layout {
+            legs,
+            members: (0..legs).map(|leg| self.members(leg)).collect(),
+            periods: stations - 1 + behind.0,
+            tail: behind.1,
+            loads,
+            damped,
+            by_rate: forms.iter().map(|form| any(&form.v.0)).collect(),
+            kinks: forms.iter().map(kinks).collect(),
+            lines,
+            heights: forms.iter().any(|form| any(&form.height) || any(&form.first)),
+            datum: self.order.iter().position(|&track| track == 0).unwrap_or(0),
+            groups: self.groups.clone(),
+        }
+    }
+}
+
 impl Setup {
     pub fn new(
         modes: &Arc<Modes>,
@@ -189,80 +281,26 @@ impl Setup {
         points: &[(f64, f64)],
         damping_input: bool,
     ) -> Result<Self> {
-        let Stations { tracks, count, spacing } = stations;
-        // The run over a profile that stands for all: its grid, and first elevations of zero.
-        let last = (count.max(2) - 1) as f64 * spacing;
-        let (x, z) = if count > 2 {
-            (vec![0.0, spacing, last], vec![0.0, spacing, 0.0])
-        } else {
-            (vec![0.0, spacing], vec![0.0, spacing])
-        };
-        let profiles: Vec<Arc<Profile>> =
-            (0..tracks).map(|_| Ok(Arc::new(Profile::new(x.clone(), z.clone())?))).collect::<Result<_>>()?;
-        let gears = modes.aircraft().gears().len();
-        let of_gear: Vec<Arc<Profile>> =
-            (0..gears).map(|gear| Arc::clone(&profiles[if tracks == 1 { 0 } else { gear }])).collect();
-        let run = Run::new(Arc::clone(modes), &of_gear, speed, damping_input)?;
-
-        let lags = run.tracks.iter().map(|track| split(track.lag, spacing)).collect::<Result<Vec<_>>>()?;
-        let mut rests: Vec<f64> = lags.iter().map(|&(_, rest)| rest).collect();
-        rests.sort_by(f64::total_cmp);
-        rests.dedup_by(|later, earlier| *later - *earlier <= HARMLESS * spacing);
-        let leg_of = |rest: f64| rests.iter().rposition(|&begin| begin <= rest).unwrap_or(0);
-        let in_order: Vec<Group> = run
-            .tracks
-            .iter()
-            .zip(&lags)
-            .map(|(track, &(whole, rest))| {
-                let source = profiles.iter().position(|profile| Arc::ptr_eq(profile, &track.profile));
-                Group { track: source.unwrap_or(0), whole, leg: leg_of(rest) }
-            })
-            .collect();
-        let mut order: Vec<usize> = (0..in_order.len()).collect();
-        order.sort_by_key(|&track| in_order[track].leg);
-        let groups: Vec<Group> = order.iter().map(|&track| in_order[track]).collect();
-        let members = |leg: usize| {
-            groups.partition_point(|group| group.leg < leg)..groups.partition_point(|group| group.leg <= leg)
-        };
-        let behind = groups.iter().map(|group| (group.whole, group.leg)).max().unwrap_or((0, 0));
+        let Stations { count, spacing, .. } = stations;
+        let (run, sources) = stand_in(modes, stations, speed, damping_input)?;
+        let division = Division::new(&run, &sources, spacing)?;
+        let Division { begins, order, .. } = &division;
         let lag = run.tracks.iter().map(|track| track.lag.nearest()).fold(0.0, f64::max);
         let duration = (lag + (count - 1) as f64 * spacing) / speed;
-
-        let ends = rests.iter().skip(1).copied().chain([spacing]);
-        let dt: Vec<f64> = rests.iter().zip(ends).map(|(begin, end)| (end - begin) / speed).collect();
+        let ends = begins.iter().skip(1).copied().chain([spacing]);
+        let dt: Vec<f64> = begins.iter().zip(ends).map(|(begin, end)| (end - begin) / speed).collect();
         let bank = run.oscillators.clone();
         let lengths = Lengths::new(&bank);
-        let loads = Form::all(&run, &Quantity::Load);
-        let accelerations = Form::all(&run, &Quantity::Acceleration(points.to_vec()));
-        let forms: Vec<Form> = loads.iter().chain(&accelerations).cloned().collect();
-        let any = |weights: &[f64]| weights.iter().any(|&weight| weight != 0.0);
-        let lines = forms.iter().any(Form::has_line);
+        let mut forms = Form::all(&run, &Quantity::Load);
+        let loads = forms.len();
+        forms.extend(Form::all(&run, &Quantity::Acceleration(points.to_vec())));
         let per_rise = |rate: Lanes| rate * (1.0 / spacing);
         let climb: Vec<Lanes> = order.iter().map(|&track| per_rise(run.tracks[track].climb)).collect();
-        let kinks = |form: &Form| -> Vec<usize> {
-            let weights = form.d * bank.omega;
-            let kinked =
-                |&leg: &usize| lines || climb[members(leg)].iter().any(|&climb| jumps(weights, climb));
-            let legs: Vec<usize> = (0..rests.len()).filter(kinked).collect();
-            if legs.is_empty() { vec![0] } else { legs }
-        };
-        let layout = Layout {
-            legs: rests.len(),
-            members: (0..rests.len()).map(members).collect(),
-            periods: count - 1 + behind.0,
-            tail: behind.1,
-            loads: loads.len(),
-            damped: damping_input,
-            by_rate: forms.iter().map(|form| any(&form.v.0)).collect(),
-            kinks: forms.iter().map(kinks).collect(),
-            lines,
-            heights: forms.iter().any(|form| any(&form.height) || any(&form.first)),
-            datum: order.iter().position(|&track| track == 0).unwrap_or(0),
-            groups,
-        };
+        let kinked = |form: &Form, group: usize| jumps(form.d * bank.omega, climb[group]);
+        let layout = division.layout(count, damping_input, (loads, &forms), kinked);
         let mut setup = Self {
-            begin: rests.iter().map(|rest| rest / spacing).collect(),
-            part: layout.groups.iter().map(|group| rests[group.leg] / spacing).collect(),
+            begin: begins.iter().map(|begin| begin / spacing).collect(),
+            part: layout.groups.iter().map(|group| begins[group.leg] / spacing).collect(),
             transition: dt.iter().map(|&dt| bank.over(dt)).collect(),
             drag: order.iter().map(|&track| per_rise(run.tracks[track].drag * speed)).collect(),
             static_load: modes.aircraft().static_load().to_vec(),
@@ -276,7 +314,7 @@ impl Setup {
         };
         let pace = speed / spacing;
         let readings = forms.into_iter().enumerate();
-        setup.readings = readings.map(|(output, form)| setup.reading(output, form, &order, pace)).collect();
+        setup.readings = readings.map(|(output, form)| setup.reading(output, form, order, pace)).collect();
         setup.integrate();
         Ok(setup)
     }
@@ -348,11 +386,11 @@ impl Setup {
         states.chain(after).chain(before).collect()
     }
 
-    /// Adds to the readings what holds for whole legs: values at their ends, squares.
+    /// Fills in each reading's `square`: the weights that make ∫F² of the moments.
     fn integrate(&mut self) {
         let (layout, groups) = (Arc::clone(&self.layout), self.layout.groups.len());
-        let select = self.selections();
-        let mut at = select[0].clone();
+        let from_period = self.legs_from_period();
+        let mut at = from_period[0].clone();
         let rows = layout.rows();
         let mut squares = vec![[DMatrix::zeros(rows, rows), DMatrix::zeros(rows, rows)]; self.readings.len()];
         let forms: Vec<_> = self.readings.iter().map(|reading| self.functional(reading)).collect();
@@ -367,13 +405,13 @@ impl Setup {
             let after = self.matrix(self.dt[leg]) * &at;
             if leg + 1 == layout.legs {
                 for squares in &mut squares {
-                    self.follow(&after, &mut squares[0]);
+                    self.eliminate_rises_before(&after, &mut squares[0]);
                 }
             } else {
                 at = after;
                 let rises = 2 * MODES..2 * MODES + groups;
                 for row in rises {
-                    at.set_row(row, &select[leg + 1].row(row));
+                    at.set_row(row, &from_period[leg + 1].row(row));
                 }
             }
         }
@@ -386,14 +424,24 @@ impl Setup {
         }
     }
 
-    /// Puts weight from the products of rises before stations with states, and with each other, onto
-    /// products a period earlier: Σ x a′ over the periods, a′ being the a of the period before, is
-    /// Σ x₊ a less the last x₊ a, where x₊, the state after a period, hangs on its rows. What remains
-    /// is the weight of what is lacking at the end.
-    fn follow(&self, after: &DMatrix<f64>, square: &mut DMatrix<f64>) {
+    /// Rewrites a form over whole periods so that some products need not be added up: those of the rises
+    /// before stations inside a period, b, with each other and with the state at its start, s.
+    ///
+    /// These rises are those after the same stations a period earlier, a, and nothing has risen before
+    /// the first period: b_i = a_{i−1}, b_0 = 0. With x_i the rows of period i and s_{i+1} = T x_i, the
+    /// first rows of `after`,
+    ///
+    ///   Σ b_i b_iᵀ = Σ a_i a_iᵀ − a_end a_endᵀ,   Σ b_i s_iᵀ = Σ a_i (T x_i)ᵀ − a_end s_endᵀ,
+    ///
+    /// where a_end belongs to the last period and s_end is the state after it. So the weights of the
+    /// sums on the left are added to those of the sums on the right. They also stay where they are:
+    /// [`March::close_moments`](super::kernel::March::close_moments) puts the two terms of the end in
+    /// the place of the sums on the left.
+    fn eliminate_rises_before(&self, after: &DMatrix<f64>, square: &mut DMatrix<f64>) {
         let inner: Vec<(usize, usize)> =
             self.layout.inner_rows().zip(self.layout.inner().map(|group| 2 * MODES + group)).collect();
         for &(row, earlier) in &inner {
+            // 2 b Q s = 2 a (Q T) x: half of it on either side of the diagonal.
             let weights = square.view((row, 0), (1, 2 * MODES)) * after.rows(0, 2 * MODES);
             for (column, weight) in weights.iter().enumerate() {
                 square[(column, earlier)] += weight;
@@ -405,9 +453,9 @@ impl Setup {
         }
     }
 
-    /// A leg's vector at its start, but for state and heights, from a period's rows: one a leg.
-    /// (Its vector: d, ẏ/ω, rises, heights, first elevations.)
-    fn selections(&self) -> Vec<DMatrix<f64>> {
+    /// For each leg, its vector (d, ẏ/ω, rises, heights, first elevations) from a period's rows: the
+    /// rises are those on that leg, all else stands as at the start of the period.
+    fn legs_from_period(&self) -> Vec<DMatrix<f64>> {
         let layout = &self.layout;
         let groups = layout.groups.len();
         let rows = layout.rows();

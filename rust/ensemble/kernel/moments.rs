@@ -9,7 +9,8 @@ use super::super::vector::{Part, Vector, parts};
 use super::{March, Row};
 
 impl March<'_> {
-    /// Adds up the products of a block's rows.
+    /// Adds up the products of the rows of a block's periods, and leaves in `reach` the roots of the
+    /// block's own sums of squares.
     #[inline(always)]
     pub(super) fn find_moments<S: Simd>(&mut self, simd: S, count: usize, tail: bool) {
         let Self { layout, ground, states, heights, first_rows, moments, reach, triples, .. } = self;
@@ -24,7 +25,8 @@ impl March<'_> {
             for (t, top) in triples.iter().enumerate() {
                 let a = pick(&rows, top);
                 for left in &triples[..=t] {
-                    // Over whole periods these follow from the products of the one before.
+                    // Rises before stations with each other and with states: other products and two
+                    // terms of the end make them up (see `close_moments`).
                     let known = left.end <= plain || inner.contains(&left.start);
                     if !tail && inner.contains(&top.start) && known {
                         continue;
@@ -57,8 +59,9 @@ impl March<'_> {
         }
     }
 
-    /// Of the products that follow from others, what the end of the last period lacks: see
-    /// [`Setup::follow`](super::super::setup::Setup::follow).
+    /// Puts −a_end a_endᵀ and −a_end s_endᵀ where the sums of products that `find_moments` skips would
+    /// stand: what the other sums lack of them, once their weights have been moved there. See
+    /// [`Setup::eliminate_rises_before`](super::super::setup::Setup::eliminate_rises_before).
     #[inline(always)]
     pub(super) fn close_moments<S: Simd>(&mut self, simd: S) {
         let Self { layout, ground, state, moments, .. } = self;

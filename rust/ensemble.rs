@@ -4,13 +4,13 @@
 //! next, is like any other: see `setup`. Eight runs are marched side by side (`kernel`), blocks
 //! of eight on all threads. A run's results are the same bits whatever runs beside it.
 //!
-//! * True extremes: outputs are looked at where their slopes may jump. Stretches of eight periods on
-//!   which a record may be broken in between, by the bound of [`crate::extremes`], are kept and gone
-//!   over again when the run is over: most of them have been outdone by then (`kernel::sift`). Legs
+//! * True extremes: outputs are looked at where their slopes may jump. Chunks of eight periods on which
+//!   a record may be broken in between, by the bound of [`crate::extremes`], are kept and gone over
+//!   again when the run is over: most of them have been outdone by then (`kernel::sift`). The legs
 //!   that are left are searched (`records`).
 //! * Mean squares: on every leg ∫F² is a quadratic form of the state at the start of its period and
-//!   the rises under the gears. The forms are constant, so what is added up on the way are the
-//!   products of these numbers, whatever the number of outputs and whatever the damping.
+//!   the rises under the gears. The forms are constant, so only the products of these numbers are
+//!   added up along the run, whatever the number of outputs and whatever the damping.
 
 use std::ops::Range;
 use std::sync::Arc;

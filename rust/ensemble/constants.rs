@@ -39,8 +39,8 @@ pub(super) struct Weights {
     pub height: Vec<Row>,
     pub first: Vec<Row>,
     pub bulge: [Vec<Row>; 2],
-    /// Squares of lengths as shares of that of the longest way between kinks: of the way to each
-    /// kink, and of each leg.
+    /// Squares of durations as shares of that of the longest span between two kinks: of the span up to
+    /// each kink, and of each leg.
     pub span: Vec<Row>,
     pub leg: Vec<Row>,
     /// Of the moments of the periods and of the tail.

@@ -1,8 +1,26 @@
-//! Runs side by side, a block of periods at a time: rises, states, values, moments.
+//! Runs side by side, a block of periods at a time.
+//!
+//! A period consists of legs (see `setup`); eight periods are a chunk ([`CHUNK`]), [`PERIODS`] a block.
+//! Each block, in this order:
+//!
+//! 1. `Read`: elevations.
+//! 2. `find_states`: rises; states, and where needed heights, at the start of every leg.
+//! 3. `find_moments`: sums of products, for the mean squares.
+//! 4. `look`: values at kinks, where slopes may jump, set the records. A chunk whose bound beats a
+//!    record of a run is kept for that run; in short runs all chunks are sifted (6) at once, and so is
+//!    an incomplete last one.
+//!
+//! When a run is over, or has kept too many chunks:
+//!
+//! 5. `go_back`: the kept chunks whose bounds still beat a record take the block's place, one in each
+//!    run's lane, and `find_states` marches over them again.
+//! 6. `sift`: of each span between two kinks on which a record may be broken, `weigh` keeps the legs
+//!    whose own bound beats it.
+//! 7. `Records::settle`: the legs kept are searched, the most promising first.
 //!
 //! A block's numbers stay in the cache from one pass to the next; every pass is a plain loop over
-//! registers full of runs. What is not marked to be inlined is not compiled for the instructions
-//! chosen, closures neither: in loops there are none.
+//! registers full of runs. Only functions marked for inlining are compiled for the chosen instructions.
+//! Closures are not, so there are none in loops.
 
 use std::ops::Range;
 
@@ -24,13 +42,13 @@ mod sift;
 mod states;
 mod view;
 
-use look::Reach;
-use sift::Stretches;
+use look::ChunkBounds;
+use sift::KeptChunks;
 
 /// Periods of a block.
 pub(super) const PERIODS: usize = 128;
 
-/// Periods of which the largest and the smallest value are known.
+/// Periods of a chunk: of each, the largest and the smallest value at kinks are known.
 const CHUNK: usize = 8;
 
 const ZERO: Row = Row::ZERO;
@@ -38,7 +56,7 @@ const ZERO: Row = Row::ZERO;
 /// A row for each period of a block.
 type Rows = [Row; PERIODS];
 
-/// One more: what the last period leaves.
+/// One more: where the last period ends.
 type MoreRows = [Row; PERIODS + 1];
 
 /// What the slopes under the gears of one leg drive the modes with: rates of their static positions
@@ -54,10 +72,10 @@ struct Ground {
     rise: MoreRows,
 }
 
-/// Where several runs are on their way.
+/// Runs side by side and where they are.
 pub(super) struct March<'a> {
     arch: Arch,
-    /// Whether extremes are looked for between the ends of legs.
+    /// Whether extremes are looked for between kinks too.
     between: bool,
     setups: &'a [Setup],
     pub layout: &'a Layout,
@@ -79,16 +97,16 @@ pub(super) struct March<'a> {
     /// Rows of a period, by threes.
     triples: Vec<Range<usize>>,
     /// Roots of the sums of squares of the block's states and rises.
-    reach: Vec<Row>,
+    norms: Vec<Row>,
     /// Of the runs that are over: integrals of the squares, output by output; 0 of those that have
     /// remained finite.
     squares: Vec<Row>,
     flaw: Row,
     records: Records,
     /// How far the outputs may come on the chunks of the block, output by output.
-    reaches: Vec<[Reach; PERIODS / CHUNK]>,
+    chunk_bounds: Vec<[ChunkBounds; PERIODS / CHUNK]>,
     /// Run by run.
-    stretches: [Stretches; RUNS],
+    kept: [KeptChunks; RUNS],
     /// Tools to search with, set-up by set-up, output by output.
     searches: Vec<Vec<Output>>,
 }
@@ -119,12 +137,12 @@ impl<'a> March<'a> {
             heights: vec![vec![none; heights]; layout.legs],
             moments: [vec![ZERO; rows * (rows + 1) / 2], vec![ZERO; rows * (rows + 1) / 2]],
             triples: layout.triples(),
-            reach: vec![ZERO; 2 * MODES + groups + layout.inner().count()],
+            norms: vec![ZERO; 2 * MODES + groups + layout.inner().count()],
             squares: vec![ZERO; outputs],
             flaw: ZERO,
             records: Records::new(layout.loads, outputs),
-            reaches: vec![[Reach { bend: ZERO, bounds: [ZERO; 2] }; PERIODS / CHUNK]; outputs],
-            stretches: std::array::from_fn(|_| Stretches::new(layout, outputs)),
+            chunk_bounds: vec![[ChunkBounds { bend: ZERO, bounds: [ZERO; 2] }; PERIODS / CHUNK]; outputs],
+            kept: std::array::from_fn(|_| KeptChunks::new(layout, outputs)),
             searches: setups.iter().map(searches).collect(),
         }
     }
@@ -139,7 +157,7 @@ impl<'a> March<'a> {
             moments.fill(ZERO);
         }
         self.records.restart();
-        self.stretches.iter_mut().for_each(Stretches::restart);
+        self.kept.iter_mut().for_each(KeptChunks::restart);
         for (ground, group) in self.ground.iter_mut().zip(&self.layout.groups) {
             reader.read(pulp::Scalar, group.track, 0, &mut ground.z[PERIODS..]);
         }
@@ -163,16 +181,16 @@ impl<'a> March<'a> {
         }
     }
 
-    /// The block of `count` periods that begins with `period`, the next one; after the last, the tail.
+    /// Marches over the next block, `count` periods from `period` on; after the last period, over the tail.
     pub fn block(&mut self, reader: &mut impl Reader, stations: usize, period: usize, count: usize) {
         let Self { arch, layout, ground, ahead, .. } = self;
         arch.dispatch(Read { layout, ground, ahead, reader, stations, period, count });
-        arch.dispatch(Block { march: self, way: Way::On { period, count } });
+        arch.dispatch(Pass { march: self, over: Over::Next { period, count } });
     }
 
-    /// Looks for records between the places looked at so far, for runs that have kept much.
+    /// Searches between kinks for the runs that have kept too many chunks.
     pub fn relieve(&mut self, watch: &mut Watch) {
-        let full: [bool; RUNS] = std::array::from_fn(|lane| self.stretches[lane].are_full());
+        let full: [bool; RUNS] = std::array::from_fn(|lane| self.kept[lane].are_full());
         if full.contains(&true) {
             let state = self.state;
             self.search(full, watch);
@@ -180,14 +198,14 @@ impl<'a> March<'a> {
         }
     }
 
-    /// Looks for records between the places looked at so far, for some of the runs.
+    /// Searches the chunks that some of the runs have kept.
     fn search(&mut self, runs: [bool; RUNS], watch: &mut Watch) {
         while self.go_back(runs) {
-            self.arch.dispatch(Block { march: self, way: Way::Again });
+            self.arch.dispatch(Pass { march: self, over: Over::Kept });
         }
         let last = self.searches.len() - 1;
         for lane in (0..RUNS).filter(|&lane| runs[lane]) {
-            self.stretches[lane].restart();
+            self.kept[lane].restart();
             let setup = of_lane(self.setups, lane);
             for (output, search) in self.searches[lane.min(last)].iter_mut().enumerate() {
                 self.records.settle(setup, (output, lane), search, watch);
@@ -200,8 +218,8 @@ impl<'a> March<'a> {
         self.flaw[lane] == 0.0
     }
 
-    /// Appends the results of so many runs that are over, and the numbers of those without any; wrong
-    /// ones once the caller has asked to stop.
+    /// Appends the results of runs that are over, and which of them have none; wrong results once the
+    /// caller has asked to stop.
     pub fn finish(&mut self, runs: Range<usize>, out: &mut Statistics, watch: &mut Watch) {
         self.search(std::array::from_fn(|lane| lane < runs.len() && self.is_finite(lane)), watch);
         for (lane, run) in runs.enumerate() {
@@ -218,7 +236,7 @@ impl<'a> March<'a> {
             let (mut max, mut min, mut rms) = (f64::NAN, f64::NAN, f64::NAN);
             if self.is_finite(lane) {
                 (max, min) = (self.records.best_of(output, 0, lane), -self.records.best_of(output, 1, lane));
-                // Rounding may leave less than nothing; what is no number stays so.
+                // Rounding may leave a negative square; NaN stays NaN.
                 let nothing = square[lane] < 0.0 || setup.duration == 0.0;
                 rms = if nothing { 0.0 } else { (square[lane] / setup.duration).sqrt() };
             }
@@ -234,8 +252,8 @@ impl<'a> March<'a> {
     }
 }
 
-/// Reads the elevations of a block's stations and the one before. Apart from the rest, which is the
-/// same for all readers.
+/// Reads the elevations of a block's stations and the one before. Separate from the rest, which need not
+/// be compiled for each reader.
 struct Read<'m, R> {
     layout: &'m Layout,
     ground: &'m mut [Ground],
@@ -274,30 +292,30 @@ impl<R: Reader> WithSimd for Read<'_, R> {
 }
 
 /// See [`March::block`] and [`March::search`].
-struct Block<'m, 'a> {
+struct Pass<'m, 'a> {
     march: &'m mut March<'a>,
-    way: Way,
+    over: Over,
 }
 
-/// Where to go.
-enum Way {
-    /// Over so many more periods, whose elevations have been read.
-    On { period: usize, count: usize },
-    /// Over stretches again, each run over one of its own.
-    Again,
+/// What to march over.
+enum Over {
+    /// The next `count` periods, whose elevations have been read.
+    Next { period: usize, count: usize },
+    /// Kept chunks, one of each run.
+    Kept,
 }
 
-impl WithSimd for Block<'_, '_> {
+impl WithSimd for Pass<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { march, way } = self;
-        let (count, tail, again) = match way {
-            Way::On { period, count } => (count, period == march.layout.periods, false),
-            Way::Again => (CHUNK, false, true),
+        let Self { march, over } = self;
+        let (count, tail, again) = match over {
+            Over::Next { period, count } => (count, period == march.layout.periods, false),
+            Over::Kept => (CHUNK, false, true),
         };
-        // The tail: only so many legs of a period.
+        // The tail is the first legs of one more period.
         let legs = if tail { march.layout.tail } else { march.layout.legs };
         if tail {
             march.close_moments(simd);

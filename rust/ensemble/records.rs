@@ -1,4 +1,4 @@
-//! The records of runs side by side, and the stretches that may yet break them.
+//! The records of runs side by side, and the legs that may yet break them.
 
 use pulp::Simd;
 
@@ -10,10 +10,10 @@ use crate::row::{RUNS, Row};
 use crate::transition::{Drive, State};
 use crate::watch::Watch;
 
-/// Stretches kept for one record before those that no longer matter are thrown out.
+/// Legs kept for one record before those that no longer matter are thrown out.
 const MANY: usize = 32;
 
-/// A leg on which an output may exceed what it has reached at the ends of legs.
+/// A leg on which an output may exceed what it has reached at kinks.
 #[derive(Clone, Copy)]
 pub(super) struct Candidate {
     pub bound: f64,
@@ -25,8 +25,7 @@ pub(super) struct Candidate {
     pub growth: f64,
 }
 
-/// One output of all runs: the largest values of F and of −F at the ends of legs, and what may
-/// exceed them in between.
+/// One output of all runs: the largest values of F and of −F so far, and the legs that may exceed them.
 struct Record {
     best: [Row; 2],
     candidates: [[Vec<Candidate>; RUNS]; 2],
@@ -48,11 +47,6 @@ impl Records {
         Self { loads, records: (0..outputs).map(|_| record()).collect() }
     }
 
-    /// Number of outputs.
-    pub fn len(&self) -> usize {
-        self.records.len()
-    }
-
     pub fn restart(&mut self) {
         for record in &mut self.records {
             record.best = [Row::all(f64::NEG_INFINITY); 2];
@@ -60,7 +54,7 @@ impl Records {
         }
     }
 
-    /// Takes in the largest and smallest values of some more ends of legs.
+    /// Takes in the largest and smallest of some more values.
     #[inline(always)]
     pub fn see<S: Simd>(&mut self, part: Part<S>, output: usize, top: Vector<S>, bottom: Vector<S>) {
         let [mut high, mut low] = self.best(part, output);
@@ -86,7 +80,7 @@ impl Records {
         self.records[output].best[side][lane]
     }
 
-    /// Keeps a stretch for later: by then most will have been outdone.
+    /// Keeps a leg for later: by then most will have been outdone.
     pub fn keep(&mut self, output: usize, side: usize, lane: usize, candidate: Candidate) {
         let Record { best, candidates } = &mut self.records[output];
         let (best, list) = (best[side][lane], &mut candidates[side][lane]);

@@ -118,11 +118,11 @@ pub(super) struct Reading {
     pub first: Vec<f64>,
     /// Rate of the straight-line part over a leg per rise.
     pub rate: Vec<f64>,
-    /// Weights of the magnitudes of a period's rows, but for heights, in a bound on the bulge of the
-    /// output above its values at two kinks, one after the other; the same for its swing.
+    /// Weights of the magnitudes of a period's rows, without heights, in two bounds on how far the output
+    /// bulges above its values at two kinks in succession: by its curvature, and by its swing.
     pub bulge: [Vec<f64>; 2],
-    /// Squares of times as shares of the longest one between two kinks: from the last kink to each,
-    /// and of each leg.
+    /// Squares of durations as shares of that of the longest span between two kinks: of the span up to
+    /// each kink, and of each leg.
     pub span: Vec<f64>,
     pub leg: Vec<f64>,
     /// Weights of the products of a period's rows, lower triangle, in ∫F² over a period and over the
@@ -330,17 +330,19 @@ impl Setup {
         let (height, first) = (of_groups(&form.height, 1.0), of_groups(&form.first, 1.0));
         let output = Output::new(form, &self.bank);
         let (kinks, legs) = (&self.layout.kinks[index], self.dt.len());
-        // Legs from kink to kink; the way to the first one begins in the period before.
+        // The legs from kink to kink; the span up to the first one begins in the period before.
         let before = kinks.iter().cycle().skip(kinks.len() - 1);
-        let way = |(&kink, &before): (&usize, &usize)| before..if kink > before { kink } else { kink + legs };
-        let ways: Vec<Range<usize>> = kinks.iter().zip(before).map(way).collect();
-        let time = |way: &Range<usize>| way.clone().map(|leg| self.dt[leg % legs]).sum::<f64>();
-        let times: Vec<f64> = ways.iter().map(time).collect();
+        let span =
+            |(&kink, &before): (&usize, &usize)| before..if kink > before { kink } else { kink + legs };
+        let spans: Vec<Range<usize>> = kinks.iter().zip(before).map(span).collect();
+        let time = |span: &Range<usize>| span.clone().map(|leg| self.dt[leg % legs]).sum::<f64>();
+        let times: Vec<f64> = spans.iter().map(time).collect();
         let longest = times.iter().copied().fold(0.0, f64::max);
         let squared = |times: &[f64]| times.iter().map(|time| (time / longest).powi(2)).collect();
         let (span, leg) = (squared(&times), squared(&self.dt));
-        // A swing goes from one end of a leg to the other; of a way only the ends are looked at.
-        let swings = ways.iter().map(|way| way.len().div_ceil(2)).max().unwrap_or(1);
+        // F changes by at most twice its amplitude on one leg, and no place on a span is more than half the
+        // span's legs, rounded up, from one of its ends.
+        let swings = spans.iter().map(|span| span.len().div_ceil(2)).max().unwrap_or(1);
         let by_bend = self.bend(&output);
         let by_swing = self.bound([Lanes::ZERO; 2], self.lengths.reach(output.amplitude));
         let scaled = |bound: Vec<f64>, scale: f64| bound.iter().map(|weight| weight * scale).collect();

@@ -1,4 +1,4 @@
-//! Largest and smallest values at the ends of legs, and the stretches that may exceed them in between.
+//! Largest and smallest values at kinks, and the chunks that may exceed them in between.
 
 use std::ops::Range;
 
@@ -9,21 +9,21 @@ use super::super::vector::{Part, Vector, parts};
 use super::view::{View, value, with_view};
 use super::{CHUNK, March, PERIODS, RUNS, Row, ZERO};
 
-/// Periods of a run on most of whose chunks there is something to be found: they are sifted at once.
+/// Shorter runs, in periods, may hold a record on most of their chunks: these are sifted at once.
 const SHORT: usize = 192;
 
-/// One output on a stretch.
+/// How far one output may come on a chunk.
 #[derive(Clone, Copy)]
-pub(super) struct Reach {
-    /// How far it may bulge above its values where it is looked at: see `summits`.
+pub(super) struct ChunkBounds {
+    /// B of the longest span between two kinks: see `summits`.
     pub bend: Row,
     /// What F and −F stay below.
     pub bounds: [Row; 2],
 }
 
 impl March<'_> {
-    /// Looks at all outputs at the ends of the block and where their slopes may jump; keeps the
-    /// stretches that may hold a record in between. Gives the chunks to sift at once.
+    /// Looks at all outputs at the ends of the block and at kinks, where their slopes may jump; keeps the
+    /// chunks that may hold a record in between. Returns the chunks to sift at once.
     #[inline(always)]
     pub(super) fn look<S: Simd>(&mut self, simd: S, count: usize, legs: usize) -> Range<usize> {
         if count * legs == 0 {
@@ -31,16 +31,16 @@ impl March<'_> {
         }
         // Apart while the rest is read.
         let mut records = std::mem::take(&mut self.records);
-        let mut reaches = std::mem::take(&mut self.reaches);
+        let mut chunk_bounds = std::mem::take(&mut self.chunk_bounds);
         let mut over = [ZERO; PERIODS / CHUNK];
         for output in 0..self.constants.weights.len() {
             for part in parts(simd) {
-                let reaches = &mut reaches[output];
-                with_view!(self, part, output, (count, legs), view => view.look(&mut records, reaches, &mut over));
+                let bounds = &mut chunk_bounds[output];
+                with_view!(self, part, output, (count, legs), view => view.look(&mut records, bounds, &mut over));
             }
         }
-        (self.records, self.reaches) = (records, reaches);
-        // The last chunk may be shorter than those that are kept.
+        (self.records, self.chunk_bounds) = (records, chunk_bounds);
+        // Whole chunks are kept; the last may be shorter.
         let kept = if self.layout.periods < SHORT { 0 } else { count / CHUNK };
         for (chunk, over) in over[..kept].iter().enumerate() {
             for lane in 0..RUNS {
@@ -65,16 +65,16 @@ impl March<'_> {
         }
     }
 
-    /// How far an output may bulge above its values where it is looked at: by what it bends on the
-    /// longest way between two such places, and by what it swings.
+    /// How far an output may bulge above its values at kinks: by what it bends on the longest span
+    /// between two of them, and by what it swings.
     #[inline(always)]
     fn bulges<S: Simd>(&self, part: Part<S>, output: usize) -> [Vector<S>; 2] {
         let mut bounds = [part.all(0.0); 2];
         let [bend, swing] = &self.constants.weights[output].bulge;
-        for ((bend, swing), reach) in bend.iter().zip(swing).zip(&self.reach) {
-            let reach = part.load(reach);
-            bounds[0] = bounds[0] + part.load(bend) * reach;
-            bounds[1] = bounds[1] + part.load(swing) * reach;
+        for ((bend, swing), norm) in bend.iter().zip(swing).zip(&self.norms) {
+            let norm = part.load(norm);
+            bounds[0] = bounds[0] + part.load(bend) * norm;
+            bounds[1] = bounds[1] + part.load(swing) * norm;
         }
         bounds
     }
@@ -86,7 +86,7 @@ impl<S: Simd, const RATES: bool, const LINES: bool> View<'_, '_, S, RATES, LINES
     fn look(
         &self,
         records: &mut Records,
-        reaches: &mut [Reach; PERIODS / CHUNK],
+        chunk_bounds: &mut [ChunkBounds; PERIODS / CHUNK],
         over: &mut [Row; PERIODS / CHUNK],
     ) {
         let Self { march, part, output, .. } = *self;
@@ -108,9 +108,9 @@ impl<S: Simd, const RATES: bool, const LINES: bool> View<'_, '_, S, RATES, LINES
         let most = bend.min(swing);
         for (chunk, [top, bottom]) in edges.iter().enumerate() {
             let bounds = [*top + most, most - *bottom];
-            part.store(bend, &mut reaches[chunk].bend);
+            part.store(bend, &mut chunk_bounds[chunk].bend);
             for side in 0..2 {
-                part.store(bounds[side], &mut reaches[chunk].bounds[side]);
+                part.store(bounds[side], &mut chunk_bounds[chunk].bounds[side]);
             }
             let beyond = (bounds[0] - high).max(bounds[1] - low);
             part.store(part.load(&over[chunk]).max(beyond), &mut over[chunk]);

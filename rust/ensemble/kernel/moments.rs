@@ -9,11 +9,11 @@ use super::super::vector::{Part, Vector, parts};
 use super::{March, Row};
 
 impl March<'_> {
-    /// Adds up the products of the rows of a block's periods, and leaves in `reach` the roots of the
+    /// Adds up the products of the rows of a block's periods, and leaves in `norms` the roots of the
     /// block's own sums of squares.
     #[inline(always)]
     pub(super) fn find_moments<S: Simd>(&mut self, simd: S, count: usize, tail: bool) {
-        let Self { layout, ground, states, heights, first_rows, moments, reach, triples, .. } = self;
+        let Self { layout, ground, states, heights, first_rows, moments, norms, triples, .. } = self;
         let mut rows: Vec<&[Row]> = states[0].iter().map(|rows| &rows[..count]).collect();
         rows.extend(ground.iter().map(|ground| &ground.rise[1..=count]));
         rows.extend(layout.inner().map(|group| &ground[group].rise[..count]));
@@ -45,16 +45,16 @@ impl March<'_> {
                             }
                             let moment = &mut moments[place(row, column)];
                             part.store(part.load(moment) + sum, moment);
-                            if column == row && row < reach.len() {
-                                part.store(sum.sqrt(), &mut reach[row]);
+                            if column == row && row < norms.len() {
+                                part.store(sum.sqrt(), &mut norms[row]);
                             }
                         }
                     }
                 }
             }
             for (row, (group, before)) in inner.clone().zip(layout.inner().zip(&rows[inner.clone()])) {
-                let (after, before) = (part.load(&reach[plain + group]), part.load(&before[0]));
-                part.store((after * after + before * before).sqrt(), &mut reach[row]);
+                let (after, before) = (part.load(&norms[plain + group]), part.load(&before[0]));
+                part.store((after * after + before * before).sqrt(), &mut norms[row]);
             }
         }
     }

@@ -1,59 +1,110 @@
-//! The stretches that may hold a record between the places looked at, gone over again: by then most
-//! of them have been outdone.
+//! Chunks that may hold a record between the places looked at: kept, gone over again later, and sifted
+//! for the legs that may. By then most of them have been outdone.
+
+use std::ops::Range;
 
 use pulp::Simd;
 
 use super::super::records::{Candidate, Records};
 use super::super::setup::{Layout, MODES};
 use super::super::vector::{Mask, Part, Vector, parts};
-use super::look::Reach;
+use super::look::ChunkBounds;
 use super::view::{Place, View, with_view};
 use super::{CHUNK, Ground, March, RUNS, Row};
 use crate::lanes::Lanes;
 use crate::transition::{Drive, State};
 
-/// Stretches of one run kept before those that no longer matter are thrown out.
+/// Chunks of one run kept before those that no longer matter are thrown out.
 const MANY: usize = 32;
 
-/// Stretches of one run that matter, kept before they are gone over again: a runway as long as one
-/// likes, on which every wave brings the same load once more, takes no more memory.
+/// Chunks of one run that matter, kept before they are gone over again: this bounds the memory on a
+/// runway of any length, even if every wave brings the same load once more.
 const FULL: usize = 1024;
 
-/// Chunks on which a run may exceed the records it has reached at the ends of legs: the numbers of
-/// one after the other.
+/// Where the numbers of a kept chunk stand, one after the other: the state at its start, each group's
+/// last rise and elevations, each output's bend, and last, each output's bounds.
+#[derive(Clone, Copy)]
+struct Fields {
+    groups: usize,
+    outputs: usize,
+}
+
+impl Fields {
+    /// A rise and the elevations from the station before the chunk to its last.
+    const OF_GROUP: usize = 1 + (CHUNK + 1);
+
+    fn state() -> Range<usize> {
+        0..2 * MODES
+    }
+
+    fn rise(group: usize) -> usize {
+        2 * MODES + group * Self::OF_GROUP
+    }
+
+    fn elevations(group: usize) -> Range<usize> {
+        Self::rise(group) + 1..Self::rise(group + 1)
+    }
+
+    fn bend(self, output: usize) -> usize {
+        Self::rise(self.groups) + output
+    }
+
+    fn bounds(self, output: usize) -> Range<usize> {
+        let begin = self.bend(self.outputs) + 2 * output;
+        begin..begin + 2
+    }
+
+    fn all_bounds(self) -> Range<usize> {
+        self.bounds(0).start..self.size()
+    }
+
+    fn size(self) -> usize {
+        self.bounds(self.outputs).start
+    }
+
+    /// Whether a run may break a record on a kept chunk.
+    fn matter(self, records: &Records, lane: usize) -> impl Fn(&[f64]) -> bool {
+        move |numbers| {
+            let breaks = |(at, &bound): (usize, &f64)| bound > records.best_of(at / 2, at % 2, lane);
+            numbers[self.all_bounds()].iter().enumerate().any(breaks)
+        }
+    }
+}
+
+/// Chunks on which a run may exceed the records it has reached where it was looked at.
 #[derive(Clone)]
-pub(super) struct Stretches {
-    /// What is beyond those in use is left from earlier ones.
+pub(super) struct KeptChunks {
+    fields: Fields,
+    /// One chunk after the other. What is beyond those in use is left from earlier ones.
     numbers: Vec<f64>,
     used: usize,
-    /// Numbers of one.
-    size: usize,
     /// How many numbers there are when it is time to throw out.
     many: usize,
-    /// Where to go on when they are gone over again.
+    /// Where to continue when they are gone over again.
     at: usize,
 }
 
-impl Stretches {
+impl KeptChunks {
     /// For so many outputs.
     pub fn new(layout: &Layout, outputs: usize) -> Self {
-        let size = 2 * MODES + layout.groups.len() * (CHUNK + 2) + 3 * outputs;
-        Self { numbers: Vec::new(), used: 0, size, many: 0, at: 0 }
+        let fields = Fields { groups: layout.groups.len(), outputs };
+        Self { fields, numbers: Vec::new(), used: 0, many: 0, at: 0 }
     }
 
     pub fn restart(&mut self) {
-        (self.used, self.many, self.at) = (0, MANY * self.size, 0);
+        (self.used, self.many, self.at) = (0, MANY * self.fields.size(), 0);
     }
 
     /// Whether it is time to go over them.
     pub fn are_full(&self) -> bool {
-        self.used >= FULL * self.size
+        self.used >= FULL * self.fields.size()
     }
 
     /// One more, to be filled in; when there are many, without those that no longer matter.
-    fn add(&mut self, matters: impl Fn(&[f64]) -> bool) -> &mut [f64] {
-        let size = self.size;
+    fn add(&mut self, records: &Records, lane: usize) -> &mut [f64] {
+        let size = self.fields.size();
         if self.used >= self.many {
+            let matters = self.fields.matter(records, lane);
             let mut kept = 0;
             for begin in (0..self.used).step_by(size) {
                 if matters(&self.numbers[begin..begin + size]) {
@@ -73,19 +124,20 @@ impl Stretches {
     }
 
     /// The next that matters.
-    fn next(&mut self, matters: impl Fn(&[f64]) -> bool) -> Option<&[f64]> {
+    fn next(&mut self, records: &Records, lane: usize) -> Option<&[f64]> {
+        let matters = self.fields.matter(records, lane);
         while self.at < self.used {
-            let stretch = &self.numbers[self.at..self.at + self.size];
-            self.at += self.size;
-            if matters(stretch) {
-                return Some(stretch);
+            let begin = self.at;
+            self.at += self.fields.size();
+            if matters(&self.numbers[begin..self.at]) {
+                return Some(&self.numbers[begin..self.at]);
             }
         }
         None
     }
 }
 
-impl Reach {
+impl ChunkBounds {
     /// Runs that may break these records.
     #[inline(always)]
     pub fn runs<S: Simd>(&self, part: Part<S>, [high, low]: [Vector<S>; 2]) -> Mask<S> {
@@ -94,71 +146,61 @@ impl Reach {
     }
 }
 
-/// Whether a record of a run may be broken on a stretch: its last numbers are the bounds.
-fn matters(records: &Records, lane: usize) -> impl Fn(&[f64]) -> bool {
-    move |stretch| {
-        let bounds = &stretch[stretch.len() - 2 * records.len()..];
-        let breaks = |(at, &bound): (usize, &f64)| bound > records.best_of(at / 2, at % 2, lane);
-        bounds.iter().enumerate().any(breaks)
-    }
-}
-
 impl March<'_> {
-    /// Keeps a chunk of the block for a run: state, last rises and elevations, bends and bounds.
+    /// Keeps a chunk of the block for a run.
     pub(super) fn keep(&mut self, chunk: usize, lane: usize) {
-        let Self { ground, states, reaches, stretches, records, .. } = self;
+        let Self { ground, states, chunk_bounds, kept, records, .. } = self;
         // The remainder: so that the compiler knows it is a lane.
         let (first, lane) = (CHUNK * chunk, lane % RUNS);
-        let mut rest = stretches[lane].add(matters(records, lane));
-        let mut take = |rows: &[Row]| {
-            let (numbers, others) = std::mem::take(&mut rest).split_at_mut(rows.len());
-            numbers.iter_mut().zip(rows).for_each(|(number, row)| *number = row[lane]);
-            rest = others;
-        };
-        for rows in &states[0] {
-            take(&rows[first..=first]);
+        let fields = kept[lane].fields;
+        let numbers = kept[lane].add(records, lane);
+        for (number, rows) in numbers[Fields::state()].iter_mut().zip(&states[0]) {
+            *number = rows[first][lane];
         }
-        for Ground { rise, z } in ground {
-            take(&rise[first..=first]);
-            take(&z[first..=first + CHUNK]);
+        for (group, Ground { rise, z }) in ground.iter().enumerate() {
+            numbers[Fields::rise(group)] = rise[first][lane];
+            for (number, row) in numbers[Fields::elevations(group)].iter_mut().zip(&z[first..=first + CHUNK])
+            {
+                *number = row[lane];
+            }
         }
-        for reaches in &*reaches {
-            take(std::slice::from_ref(&reaches[chunk].bend));
-        }
-        for reaches in reaches {
-            take(&reaches[chunk].bounds);
+        for (output, chunks) in chunk_bounds.iter().enumerate() {
+            numbers[fields.bend(output)] = chunks[chunk].bend[lane];
+            for (number, row) in numbers[fields.bounds(output)].iter_mut().zip(&chunks[chunk].bounds) {
+                *number = row[lane];
+            }
         }
     }
 
-    /// Puts some of the runs on their next stretches; whether there were any.
+    /// Loads the next kept chunk of each of some runs, in place of the block's first; whether there were
+    /// any.
     pub(super) fn go_back(&mut self, runs: [bool; RUNS]) -> bool {
-        let Self { ground, state, reaches, stretches, records, .. } = self;
+        let Self { ground, state, chunk_bounds, kept, records, .. } = self;
         let mut any = false;
-        for (lane, stretches) in stretches.iter_mut().enumerate() {
-            let next = if runs[lane] { stretches.next(matters(records, lane)) } else { None };
-            let Some(stretch) = next else {
-                for reaches in &mut *reaches {
-                    reaches[0].bounds.iter_mut().for_each(|bound| bound[lane] = f64::NEG_INFINITY);
+        for (lane, kept) in kept.iter_mut().enumerate() {
+            let fields = kept.fields;
+            let next = if runs[lane] { kept.next(records, lane) } else { None };
+            let Some(numbers) = next else {
+                for chunks in &mut *chunk_bounds {
+                    chunks[0].bounds.iter_mut().for_each(|bound| bound[lane] = f64::NEG_INFINITY);
                 }
                 continue;
             };
             any = true;
-            let mut rest = stretch;
-            let mut put = |rows: &mut [Row]| {
-                let (numbers, others) = rest.split_at(rows.len());
-                rows.iter_mut().zip(numbers).for_each(|(row, &number)| row[lane] = number);
-                rest = others;
-            };
-            put(state);
-            for Ground { rise, z } in &mut *ground {
-                put(&mut rise[..1]);
-                put(&mut z[..=CHUNK]);
+            for (row, &number) in state.iter_mut().zip(&numbers[Fields::state()]) {
+                row[lane] = number;
             }
-            for reaches in &mut *reaches {
-                put(std::slice::from_mut(&mut reaches[0].bend));
+            for (group, Ground { rise, z }) in ground.iter_mut().enumerate() {
+                rise[0][lane] = numbers[Fields::rise(group)];
+                for (row, &number) in z.iter_mut().zip(&numbers[Fields::elevations(group)]) {
+                    row[lane] = number;
+                }
             }
-            for reaches in &mut *reaches {
-                put(&mut reaches[0].bounds);
+            for (output, chunks) in chunk_bounds.iter_mut().enumerate() {
+                chunks[0].bend[lane] = numbers[fields.bend(output)];
+                for (row, &number) in chunks[0].bounds.iter_mut().zip(&numbers[fields.bounds(output)]) {
+                    row[lane] = number;
+                }
             }
         }
         any
@@ -169,7 +211,7 @@ impl March<'_> {
     pub(super) fn sift<S: Simd>(&mut self, simd: S, chunk: usize, count: usize, legs: usize) {
         // Apart while the rest is read.
         let mut records = std::mem::take(&mut self.records);
-        for output in 0..self.reaches.len() {
+        for output in 0..self.chunk_bounds.len() {
             for part in parts(simd) {
                 with_view!(self, part, output, (count, legs), view => view.sift(&mut records, chunk));
             }
@@ -177,8 +219,8 @@ impl March<'_> {
         self.records = records;
     }
 
-    /// How far an output may bulge on a leg of a period, at most, if the leg lasts as long as the
-    /// longest way between two places looked at.
+    /// The most an output may bulge on a leg of a period if the leg lasted as long as the longest span
+    /// between two kinks.
     #[inline(always)]
     fn own_bulge<S: Simd>(&self, part: Part<S>, weights: &[Row], i: usize) -> Vector<S> {
         let (states, rises) = weights.split_at(2 * MODES);
@@ -196,7 +238,7 @@ impl March<'_> {
         bound
     }
 
-    /// A leg of one run as a stretch to be searched.
+    /// A leg of one run, ready to be searched.
     fn candidate(&self, output: usize, leg: usize, i: usize, lane: usize, bound: f64) -> Candidate {
         let weights = &self.constants.weights[output];
         let none = Lanes::ZERO;
@@ -230,8 +272,8 @@ impl<S: Simd, const RATES: bool, const LINES: bool> View<'_, '_, S, RATES, LINES
     #[inline(always)]
     fn sift(&self, records: &mut Records, chunk: usize) {
         let Self { march, part, output, .. } = *self;
-        let reach = &march.reaches[output][chunk];
-        let (bend, runs) = (part.load(&reach.bend), reach.runs(part, records.best(part, output)));
+        let bounds = &march.chunk_bounds[output][chunk];
+        let (bend, runs) = (part.load(&bounds.bend), bounds.runs(part, records.best(part, output)));
         if !runs.any() {
             return;
         }
@@ -252,13 +294,13 @@ impl<S: Simd, const RATES: bool, const LINES: bool> View<'_, '_, S, RATES, LINES
         }
         let to = self.end(periods.end);
         let kinks = &march.layout.kinks[output];
-        // On the way to the next one.
+        // The chunk ends on the span to the next kink.
         let kink = kinks.partition_point(|&leg| leg < to.0) % kinks.len();
         self.look_between(records, (from, to), (start, self.before(from, to)), kink, bend, runs);
     }
 
-    /// Weighs the legs on the way to a kink, if one of `runs` may have a record there: by the block's
-    /// bound, which is at hand, then by those of the periods on the way.
+    /// Weighs the legs of the span up to a kink if one of `runs` may have a record there: by the block's
+    /// bound, which is at hand, then by those of the span's own periods.
     #[inline(always)]
     fn look_between(
         &self,

@@ -1,4 +1,4 @@
-//! One output's values on the way.
+//! One output's values along a block.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use super::super::setup::MODES;
 use super::super::vector::{Part, Vector};
 use super::{CHUNK, March, MoreRows};
 
-/// A place on the way: where a leg of a period begins.
+/// Where a leg of a period begins: leg and period.
 pub(super) type Place = (usize, usize);
 
 /// One output of a register's runs over a block; `RATES` where velocities enter, `LINES` where slopes
@@ -19,14 +19,14 @@ pub(super) struct View<'m, 'a, S: Simd, const RATES: bool, const LINES: bool> {
     pub part: Part<S>,
     pub output: usize,
     weights: States<Vector<S>>,
-    /// Legs, of those that there are, at whose start its slope may jump.
+    /// Legs of the block at whose start its slope may jump; with `LINES`, all of them.
     pub kinks: &'m [usize],
     pub count: usize,
     legs: usize,
 }
 
-/// Does something with the view of an output, of whichever kind that is. A macro, since what closures
-/// hold is not compiled for the instructions chosen.
+/// Does something with the view of an output, of whichever kind that is. A macro, since closures are not
+/// compiled for the chosen instructions.
 macro_rules! with_view {
     ($march:expr, $part:expr, $output:expr, $block:expr, $view:ident => $do:expr) => {
         match ($march.layout.by_rate[$output], $march.layout.lines) {
@@ -101,11 +101,13 @@ impl<'m, 'a, S: Simd, const RATES: bool, const LINES: bool> View<'m, 'a, S, RATE
         if LINES { value + self.march.lines(self.part, self.output, (leg, i), false) } else { value }
     }
 
-    /// The value just before a place, on the way from another; with lines, one leg later.
+    /// The value just before a place, coming from another. With `LINES`, the place is `from` itself, or
+    /// where the leg that begins at `from` ends: the lines are those of that leg.
     #[inline(always)]
     pub fn before(&self, from: Place, (leg, i): Place) -> Vector<S> {
+        debug_assert!(!LINES || (leg, i) == from || (leg, i) == self.march.layout.after(from.0, from.1));
         let value = value::<S, RATES>(self.part, &self.weights, &self.march.states[leg], i);
-        // Between a place and itself, nothing.
+        // No leg ends at the place itself: the value there.
         if LINES && from != (leg, i) {
             value + self.march.lines(self.part, self.output, from, true)
         } else if LINES {

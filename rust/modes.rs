@@ -31,22 +31,26 @@ pub struct Modes {
     statics: Statics,
 }
 
-/// How the elevations under the gears carry the aircraft, and what they leave over.
+/// Where the gears come to rest on given elevations, and what is left to their springs there.
 ///
-/// The modes follow elevations u to the static gear positions R u. Where the modes are the
-/// aircraft's own and no gear is redundant, R is the identity: a load then depends on the
-/// modal motion alone. What else there is stands here, one row a gear.
+/// On elevations u under the gears the modes put the gears to rest at R u, R = G Φ ω⁻² Φᵀ `K_1`: the
+/// springs are left with (I − R) u. Where the modes are the aircraft's own and no gear is redundant, R is
+/// the identity, and a load depends on the modal motion alone. `Form::load` says what else enters.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Statics {
-    /// I − R of these modes, of those of `warp` once corrected. Rows sum to exactly zero when `lifted`.
+    /// I − R of these modes, once corrected that of the aircraft's own; one row a gear. Rows sum to zero
+    /// when `lifted`.
     pub unfollowed: Vec<Vec<f64>>,
-    /// I − R of the aircraft's own modes: what warps the gears even at rest.
+    /// I − R of the aircraft's own modes: elevations out of plane strain the springs even at rest. Rows
+    /// sum to zero.
     pub warp: Vec<Vec<f64>>,
     /// CG coordinates at rest ÷ elevation, of the aircraft's own modes, one column a gear.
     pub rest: Vec<Vector3<f64>>,
-    /// Whether a lift of all gears is followed: by the aircraft's own modes, or by correction.
+    /// Whether the same elevation under all gears lifts them by as much: with the aircraft's own modes or
+    /// a correction.
     pub lifted: bool,
-    /// What these modes lack of `rest`, one column a gear, and a correction adds; empty without one.
+    /// What a correction adds to `rest` of these modes to give that of the aircraft's own, one column a
+    /// gear; empty without a correction.
     pub lack: Vec<Vector3<f64>>,
 }
 
@@ -72,8 +76,8 @@ impl Modes {
     }
 
     /// Measured modes: as many as were measured, in the order given. With `static_correction` the
-    /// aircraft follows slow rises by its own static position, the modes carry what deviates from
-    /// theirs: y = rest · u + Φ (p − ω⁻² Φᵀ `K_1` u).
+    /// aircraft follows slow rises by its own static position, and the modes carry only the departure from
+    /// theirs: q = rest · u + Φ (p − ω⁻² Φᵀ `K_1` u).
     ///
     /// # Errors
     /// Values out of range, lengths that differ, shapes that are not orthonormal (Eq. 7).
@@ -182,7 +186,7 @@ impl Statics {
             if gears.len() == aircraft.rank() {
                 row.fill(0.0);
             } else {
-                // A lift of all gears is followed: the rows sum to zero, here to the last bit.
+                // The same elevation under all gears lifts them by as much: rows sum to zero.
                 row[g] = 0.0;
                 row[g] = -row.iter().sum::<f64>();
             }

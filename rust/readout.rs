@@ -30,7 +30,7 @@ pub enum Quantity {
 
 /// One output as a linear form of state, rates of elevation and elevations.
 ///
-/// Elevations enter as differences between tracks (and one from the start), so that a runway
+/// Elevations enter as differences: of track 0 from its start, of the others from track 0. So a runway
 /// high above its datum costs no digits.
 #[derive(Clone, Debug)]
 pub(crate) struct Form {
@@ -40,9 +40,9 @@ pub(crate) struct Form {
     p: Lanes,
     /// One a track.
     pub rate: Vec<f64>,
-    /// Entry 0: rise of the first track since the start; others: track − first track.
+    /// One a track: entry 0 of the rise of track 0 since the start, the others of track − track 0.
     pub height: Vec<f64>,
-    /// One a track: first elevations less that of the first track. Already in `constant`.
+    /// One a track, of first elevations less that of track 0. Already in `constant`.
     pub first: Vec<f64>,
 }
 
@@ -83,7 +83,7 @@ impl Form {
         form
     }
 
-    /// Displacement along `direction`; `rest` is where the run starts.
+    /// Displacement along `direction`: of where the run starts, Φp since, and what a correction adds.
     fn displacement(run: &Run, direction: Vector3<f64>) -> Self {
         let mut form = Self::zero(run);
         for (lane, shape) in run.modes.shapes().iter().enumerate() {
@@ -111,8 +111,8 @@ impl Form {
         form
     }
 
-    /// Adds a weight of a track's elevation since the start; the others' first elevations above the
-    /// first track's are for the caller to take off.
+    /// Adds a weight of the rise of a track since the start, u_t − u_t(0), as that of track 0 and
+    /// u_t − u_0. The caller is to take off what is left: weight × (u_t(0) − u_0(0)).
     fn add_height(&mut self, track: usize, weight: f64) {
         self.height[0] += weight;
         if track != 0 {
@@ -127,7 +127,18 @@ impl Form {
         form
     }
 
-    /// k (u − gear displacement) + static load, and the damper's force where its input is kept.
+    /// Load of a gear g = (1, x, y),
+    ///
+    ///   F = static load − k gᵀΦ d + k Σ_j U_gj (u_j − u_j(0)) + k Σ_j W_gj u_j(0),
+    ///
+    /// and its damper's force where that input is kept. U and W are `unfollowed` and `warp` of
+    /// [`Statics`](crate::modes::Statics): the modes follow elevations from where the aircraft itself
+    /// stands at rest. As heights, gear j being on track t,
+    ///
+    ///   u_j − u_j(0) = (u_0 − u_0(0)) + (u_t − u_0) − (u_t(0) − u_0(0)),
+    ///
+    /// and Σ_j W_gj u_j(0) = Σ_j W_gj (u_j(0) − u_0(0)), since rows of W sum to zero. If those of U do
+    /// (`lifted`), the weight of track 0 is exactly zero.
     fn load(run: &Run, gear: usize) -> Self {
         let aircraft = run.modes.aircraft();
         let statics = run.modes.statics();
@@ -144,19 +155,18 @@ impl Form {
                 form.rate[track] -= c * row.dot(lack);
             }
         }
-        // Elevations as heights: the first gear's rise since the start, the others above it.
         let first: Vec<f64> = run.first_elevations().collect();
-        let mut warp = 0.0;
+        let mut of_first = 0.0;
         for (j, &track) in run.track_of.iter().enumerate() {
-            let (now, start) = (k * statics.unfollowed[gear][j], k * statics.warp[gear][j]);
-            form.add_height(track, now);
-            form.first[track] += start - now;
-            warp += (start - now) * (first[j] - first[0]);
+            let (since_start, at_start) = (k * statics.unfollowed[gear][j], k * statics.warp[gear][j]);
+            form.add_height(track, since_start);
+            form.first[track] += at_start - since_start;
+            of_first += (at_start - since_start) * (first[j] - first[0]);
         }
         if statics.lifted {
             form.height[0] = 0.0;
         }
-        form.constant = aircraft.static_load()[gear] + warp;
+        form.constant = aircraft.static_load()[gear] + of_first;
         form
     }
 

@@ -21,7 +21,7 @@ use crate::readout::Quantity;
 use crate::roughness::Stretch;
 use crate::spectrum::PowerLaw;
 use crate::watch::Pulse;
-use crate::worst::{Range, Target};
+use crate::worst::{SpeedRange, Target};
 use crate::{ensemble, modes, profile, roughness, run, spectrum, sweep};
 
 create_exception!(
@@ -438,7 +438,7 @@ impl Course {
             "max_acceleration" => Target::MaxAcceleration(point.0, point.1),
             other => return Err(PyValueError::new_err(format!("no quantity '{other}'"))),
         };
-        let range = Range { low: speeds.0, high: speeds.1, tolerance, most_runs: max_runs };
+        let range = SpeedRange { low: speeds.0, high: speeds.1, tolerance, most_runs: max_runs };
         let worst = detached(py, |pulse| self.0.worst(target, range, pulse))?;
         Ok((worst.speed, worst.value, worst.bound, worst.runs))
     }

@@ -1,16 +1,16 @@
 //! The worst speed of a range, with a bound that no speed of the range exceeds.
 //!
-//! Where a gear stands on the runway, s, its elevation does not depend on speed. Let p(s) be the
-//! response of a mode at speed V and p₀(s) that at V₀, V = ρV₀ (Eq. 12), each with the rates of its
-//! own time; let g = φᵀC₁(u − u at the start), in which C₁ = 0 where the dampers' input is left
-//! out. What is left of p̈₀ without that input, a₀ = p̈₀ − ġ₀, is finite at vertical steps too.
-//! Then w = p − p₀ obeys, in the time of V,
+//! At a given place s on the runway the elevation under a gear does not depend on speed. Let p(s) be
+//! the response of a mode at speed V and p₀(s) that at V₀, V = ρV₀ (Eq. 12), each with the rates of
+//! its own time; let g = φᵀC₁(u − u at the start), with C₁ = 0 if the dampers' input is left out.
+//! Without that input, p̈₀ is a₀ = p̈₀ − ġ₀, which is finite at vertical steps too. Then w = p − p₀
+//! obeys, in the time of V,
 //!
 //!   ẅ + 2ζω ẇ + ω² w = −(ρ² − 1) a₀ − 2ζω (ρ − 1) ṗ₀ − (ρ − 1) ġ,   w = ẇ = 0 at the start:
 //!
-//! φᵀK₁u has gone. With |ρ − 1| ≤ e, A = max |a₀|, B = max |ṗ₀| the first two terms are at most
-//! f = e(2 + e) A + 2ζω e B; the third is integrated by parts, which leaves g, at most G, in the
-//! place of ġ. So until the last gear has passed the last knot, h being the impulse response,
+//! φᵀK₁u has cancelled. With |ρ − 1| ≤ e, A = max |a₀|, B = max |ṗ₀| the first two terms are at most
+//! f = e(2 + e) A + 2ζω e B; integration by parts puts g, with |g| ≤ G, in place of the third term's
+//! ġ. So until the last gear has passed the last knot, h being the impulse response,
 //!
 //!   |w| ≤ f ∫|h| + eG ∫|ḣ|,   |ẇ| ≤ f ∫|ḣ| + eG (1 + ∫|ḧ|),   ∫|ḧ| ≤ 2ζω ∫|ḣ| + ω² ∫|h|.
 //!
@@ -19,18 +19,18 @@
 //!
 //!   ∫|h| = (1 + e^−a) D ÷ ω²,   ∫|ḣ| ≤ 2D ÷ ω;   for ζ ≥ 1 the same with e^−a = 0, D = 1.
 //!
-//! After the last knot both are compared at the same time after it: they differ by w in place and
-//! by ẇ + (ρ − 1) ṗ₀ in rate, and √(p² + ṗ²/ω²) of a free motion never grows. So
+//! After the last knot both are compared at the same time after it: p and p₀ differ by w there, their
+//! rates by ẇ + (ρ − 1) ṗ₀, and √(p² + ṗ²/ω²) of a free motion never grows. So
 //!
 //!   r = √[|w|² + (|ẇ| + eB)² ÷ ω²],   with the bounds on |w| and |ẇ|,
 //!
-//! bounds the mode's difference all along; that of a load k(u − u_g) is at most Σ k|φ_g| r, that of
+//! bounds the mode's difference throughout; that of a load k(u − u_g) is at most Σ k|φ_g| r, that of
 //! an acceleration Σ |φ| ω²√(1 + 4ζ²) r. The dampers' input adds c(u̇ − u̇_g) to a load, which
 //! changes by at most Σ c|φ_g| ω r + e c|u̇₀|, and Σ φ ġ to an acceleration, by at most e |Σ φ ġ₀|.
-//! Hence one run tells what no speed near its own can exceed.
+//! Hence one run gives a bound for all speeds near its own.
 //!
-//! Cells of the range, each with a run at its middle, are cut in three (the middle keeps its run)
-//! until none can hold more than the largest value found and the tolerance.
+//! The range is divided into cells, each with a run at its middle. Cells are cut in three (the middle
+//! part keeps the run) until none can exceed the worst value found by more than the tolerance.
 
 use nalgebra::Vector3;
 
@@ -59,14 +59,14 @@ pub enum Target {
 
 /// Where to look and how closely.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
+pub struct SpeedRange {
     /// Lowest speed.
     pub low: f64,
     /// Highest speed.
     pub high: f64,
-    /// How much worse a speed not tried may be.
+    /// How much worse than the worst value found a speed not tried may be.
     pub tolerance: f64,
-    /// No more runs than this in all, but for the first 66.
+    /// No more runs than this in all; the first 66 are always made.
     pub most_runs: usize,
 }
 
@@ -91,20 +91,21 @@ impl Target {
         }
     }
 
-    /// Where the quantity's extreme stands, and how many the quantity has.
-    fn place(self, gears: usize) -> (usize, usize) {
+    /// Index of the target among the quantity's outputs, and their number.
+    fn index(self, gears: usize) -> (usize, usize) {
         match self {
             Self::MaxLoad(gear) | Self::MinLoad(gear) => (gear, gears),
             Self::MaxAcceleration(..) => (0, 1),
         }
     }
 
-    /// A number that is larger where things are worse: sign × value.
+    /// −1 where smaller is worse.
     fn sign(self) -> f64 {
         if matches!(self, Self::MinLoad(_)) { -1.0 } else { 1.0 }
     }
 
-    fn worse(self, extreme: &Extreme) -> f64 {
+    /// Sign × value: the larger, the worse.
+    fn badness(self, extreme: &Extreme) -> f64 {
         match self {
             Self::MaxLoad(_) => extreme.max,
             Self::MinLoad(_) => -extreme.min,
@@ -115,16 +116,16 @@ impl Target {
 
 /// What a change of speed can do to the target.
 #[derive(Clone, Debug)]
-struct Reach {
-    /// Per r of each mode.
-    weights: Vec<f64>,
+struct Sensitivity {
+    /// Most that it changes per r of each mode.
+    per_r: Vec<f64>,
     /// G of each mode.
-    kick: Vec<f64>,
-    /// Through the dampers' input itself, per change of speed.
-    jolt: f64,
+    max_g: Vec<f64>,
+    /// Through the dampers' input itself, per unit of speed.
+    direct: f64,
 }
 
-impl Reach {
+impl Sensitivity {
     fn new(target: Target, course: &Course) -> Self {
         let Course { modes, profiles, damping_input } = course;
         let gears = modes.aircraft().gears();
@@ -139,24 +140,24 @@ impl Reach {
         let input = |shape: &Vector3<f64>, gear: usize| damping(gear) * gears[gear].row().dot(shape);
         let each = || modes.shapes().iter().zip(modes.omega()).zip(modes.damping_ratio());
         let sum = |term: &dyn Fn(usize) -> f64| (0..gears.len()).map(term).sum::<f64>();
-        let (weights, jolt) = match target {
+        let (per_r, direct) = match target {
             Target::MaxLoad(gear) | Target::MinLoad(gear) => {
                 let (row, k, c) = (gears[gear].row(), gears[gear].stiffness, damping(gear));
-                let weights = each().map(|((shape, omega), _)| row.dot(shape).abs() * (k + c * omega));
-                (weights.collect(), c * steepest(gear))
+                let per_r = each().map(|((shape, omega), _)| row.dot(shape).abs() * (k + c * omega));
+                (per_r.collect(), c * steepest(gear))
             }
             Target::MaxAcceleration(x, y) => {
                 let point = Vector3::new(1.0, x, y);
-                let weights = each().map(|((shape, omega), zeta)| {
+                let per_r = each().map(|((shape, omega), zeta)| {
                     point.dot(shape).abs() * omega * omega * (1.0 + 4.0 * zeta * zeta).sqrt()
                 });
                 let gain =
                     |gear| modes.shapes().iter().map(|shape| point.dot(shape) * input(shape, gear)).sum();
-                (weights.collect(), sum(&|gear| f64::abs(gain(gear)) * steepest(gear)))
+                (per_r.collect(), sum(&|gear| f64::abs(gain(gear)) * steepest(gear)))
             }
         };
-        let kick = modes.shapes().iter().map(|shape| sum(&|gear| input(shape, gear).abs() * rise(gear)));
-        Self { weights, kick: kick.collect(), jolt }
+        let max_g = modes.shapes().iter().map(|shape| sum(&|gear| input(shape, gear).abs() * rise(gear)));
+        Self { per_r, max_g: max_g.collect(), direct }
     }
 }
 
@@ -164,9 +165,8 @@ impl Reach {
 #[derive(Clone, Debug)]
 struct Trial {
     speed: f64,
-    /// Sign × the target's value.
-    worse: f64,
-    /// A and B of each mode.
+    badness: f64,
+    /// A = max |a₀| and B = max |ṗ₀| of each mode.
     motion: Vec<(f64, f64)>,
     /// Distance rolled until nothing more happens.
     distance: f64,
@@ -177,33 +177,36 @@ impl Trial {
         let span = run.span()?;
         let quantities = [target.quantity(), Quantity::ModalAcceleration, Quantity::ModalRate];
         let found = run.extremes(&quantities, span, pulse)?;
-        let (place, count) = target.place(run.modes().aircraft().gears().len());
+        let (index, count) = target.index(run.modes().aircraft().gears().len());
         let (accelerations, rates) = found[count..].split_at(run.modes().omega().len());
         let motion = accelerations.iter().zip(rates).map(|(a, r)| (a.magnitude().0, r.magnitude().0));
-        let worse = target.worse(&found[place]);
-        Ok(Self { speed: run.speed(), worse, motion: motion.collect(), distance: run.distance() })
+        let badness = target.badness(&found[index]);
+        Ok(Self { speed: run.speed(), badness, motion: motion.collect(), distance: run.distance() })
     }
 
-    /// What no speed within `half` of this one exceeds.
-    fn bound(&self, half: f64, modes: &Modes, reach: &Reach) -> f64 {
+    /// What no speed within `half` of this one exceeds: the derivation above, letter by letter.
+    fn bound(&self, half: f64, modes: &Modes, sensitivity: &Sensitivity) -> f64 {
         let e = half / self.speed;
         let time = self.distance / (self.speed - half);
         let of_modes = modes.omega().iter().zip(modes.damping_ratio()).zip(&self.motion);
-        let each = of_modes.zip(reach.weights.iter().zip(&reach.kick));
-        let change = each.map(|(((&omega, &zeta), &(a, b)), (weight, g))| {
-            let (next, sum) = half_periods(omega * time, zeta);
-            let force = e * (2.0 + e) * a + 2.0 * zeta * omega * e * b;
-            let (area, way) = ((1.0 + next) * sum / omega / omega, 2.0 * sum / omega);
-            let bends = 2.0 * zeta * omega * way + omega * omega * area;
-            let place = force * area + e * g * way;
-            let rate = force * way + e * g * (1.0 + bends) + e * b;
-            weight * place.hypot(rate / omega)
+        let each = of_modes.zip(sensitivity.per_r.iter().zip(&sensitivity.max_g));
+        let change = each.map(|(((&omega, &zeta), &(max_a, max_b)), (per_r, max_g))| {
+            let (decay, d) = half_periods(omega * time, zeta);
+            let f = e * (2.0 + e) * max_a + 2.0 * zeta * omega * e * max_b;
+            // ∫|h|, ∫|ḣ|, ∫|ḧ|.
+            let (int_h, int_h1) = ((1.0 + decay) * d / omega / omega, 2.0 * d / omega);
+            let int_h2 = 2.0 * zeta * omega * int_h1 + omega * omega * int_h;
+            let w = f * int_h + e * max_g * int_h1;
+            // |ẇ| + eB.
+            let w_rate = f * int_h1 + e * max_g * (1.0 + int_h2) + e * max_b;
+            let r = w.hypot(w_rate / omega);
+            per_r * r
         });
-        self.worse + change.sum::<f64>() + half * reach.jolt
+        self.badness + change.sum::<f64>() + half * sensitivity.direct
     }
 }
 
-/// e^−a and D for so many radians.
+/// e^−a and D over so many radians.
 fn half_periods(radians: f64, zeta: f64) -> (f64, f64) {
     if zeta >= 1.0 {
         return (0.0, 1.0);
@@ -211,8 +214,8 @@ fn half_periods(radians: f64, zeta: f64) -> (f64, f64) {
     let damped = (1.0 - zeta * zeta).sqrt();
     let count = (radians * damped / std::f64::consts::PI).ceil();
     let a = std::f64::consts::PI * zeta / damped;
-    let sum = if zeta > 0.0 { libm::expm1(-count * a) / libm::expm1(-a) } else { count };
-    (libm::exp(-a), sum)
+    let d = if zeta > 0.0 { libm::expm1(-count * a) / libm::expm1(-a) } else { count };
+    (libm::exp(-a), d)
 }
 
 /// Speeds from `trial.speed` − `half` to `trial.speed` + `half`.
@@ -229,34 +232,34 @@ impl Course {
     /// # Errors
     /// A range out of order, a tolerance that is not positive or asks for too many runs, an
     /// overflow, or what `pulse` gives.
-    pub fn worst(&self, target: Target, range: Range, pulse: Pulse) -> Result<Worst> {
-        let Range { low, high, tolerance, most_runs } = range;
+    pub fn worst(&self, target: Target, range: SpeedRange, pulse: Pulse) -> Result<Worst> {
+        let SpeedRange { low, high, tolerance, most_runs } = range;
         check_speed(Place::at("speeds", 0), low)?;
         check_speed(Place::at("speeds", 1), high)?;
         not_negative("speeds[1] - speeds[0]", high - low)?;
         positive("tolerance", tolerance)?;
-        let reach = Reach::new(target, self);
-        let mut search = Search { course: self, target, reach, best: None, runs: 0 };
-        let first = 0.5 * (high - low) / CELLS as f64;
-        // The ends count too: many a worst speed is one of them.
+        let sensitivity = Sensitivity::new(target, self);
+        let mut search = SpeedSearch { course: self, target, sensitivity, worst: None, runs: 0 };
+        let half = 0.5 * (high - low) / CELLS as f64;
+        // The ends count too: the worst speed is often one of them.
         let mut live = search.cells(&[low, high], 0.0, pulse)?;
-        if first > 0.0 {
-            let middles: Vec<f64> = (0..CELLS).map(|i| low + first * (2 * i + 1) as f64).collect();
-            live.extend(search.cells(&middles, first, pulse)?);
+        if half > 0.0 {
+            let middles: Vec<f64> = (0..CELLS).map(|i| low + half * (2 * i + 1) as f64).collect();
+            live.extend(search.cells(&middles, half, pulse)?);
         }
         // What the cells given up may hold.
         let mut bound = f64::NEG_INFINITY;
         loop {
-            let best = search.best.as_ref().map_or(f64::NEG_INFINITY, |(_, worse)| *worse);
+            let worst = search.worst.as_ref().map_or(f64::NEG_INFINITY, |(_, badness)| *badness);
             live.retain(|cell| {
-                let open = cell.bound > best + tolerance;
+                let open = cell.bound > worst + tolerance;
                 bound = if open { bound } else { bound.max(cell.bound) };
                 open
             });
-            let speed = search.best.map_or(low, |(speed, _)| speed);
+            let speed = search.worst.map_or(low, |(speed, _)| speed);
             let sign = target.sign();
-            let widest = live.iter().fold(bound, |most, cell| most.max(cell.bound)).max(best);
-            let worst = Worst { speed, value: sign * best, bound: sign * widest, runs: search.runs };
+            let widest = live.iter().fold(bound, |most, cell| most.max(cell.bound)).max(worst);
+            let worst = Worst { speed, value: sign * worst, bound: sign * widest, runs: search.runs };
             if live.is_empty() {
                 return Ok(worst);
             }
@@ -269,32 +272,32 @@ impl Course {
     }
 }
 
-struct Search<'a> {
+struct SpeedSearch<'a> {
     course: &'a Course,
     target: Target,
-    reach: Reach,
-    /// Speed and value × sign of the worst run so far.
-    best: Option<(f64, f64)>,
+    sensitivity: Sensitivity,
+    /// Speed and badness of the worst run so far.
+    worst: Option<(f64, f64)>,
     runs: usize,
 }
 
-impl Search<'_> {
-    /// Runs in the middle of cells.
+impl SpeedSearch<'_> {
+    /// Cells of one width, each with its run.
     fn cells(&mut self, middles: &[f64], half: f64, pulse: Pulse) -> Result<Vec<Cell>> {
         let (course, target) = (self.course, self.target);
         let trials =
             parallel::map(middles, pulse, |&speed, pulse| Trial::new(&course.at(speed)?, target, pulse))?;
         self.runs += trials.len();
         for trial in &trials {
-            if self.best.is_none_or(|(_, worse)| trial.worse > worse) {
-                self.best = Some((trial.speed, trial.worse));
+            if self.worst.is_none_or(|(_, badness)| trial.badness > badness) {
+                self.worst = Some((trial.speed, trial.badness));
             }
         }
         Ok(trials.into_iter().map(|trial| self.cell(trial, half)).collect())
     }
 
     fn cell(&self, trial: Trial, half: f64) -> Cell {
-        let bound = trial.bound(half, &self.course.modes, &self.reach);
+        let bound = trial.bound(half, &self.course.modes, &self.sensitivity);
         Cell { trial, half, bound }
     }
 
@@ -345,16 +348,16 @@ mod tests {
         for (zeta, (profile, damped)) in cases {
             let course = course(zeta, profile.clone(), *damped);
             for target in targets {
-                let reach = Reach::new(target, &course);
+                let sensitivity = Sensitivity::new(target, &course);
                 let trial = |speed| Trial::new(&course.at(speed).unwrap(), target, &mut || Ok(())).unwrap();
                 let mut closest = f64::INFINITY;
                 for speed in [90.0, 405.0, 1500.0] {
                     let here = trial(speed);
                     for share in [1e-5, 1e-3, 0.03, 0.4] {
                         let half = share * speed;
-                        let allowed = here.bound(half, &course.modes, &reach) - here.worse;
+                        let allowed = here.bound(half, &course.modes, &sensitivity) - here.badness;
                         for part in [-1.0, -0.6, 0.3, 1.0] {
-                            let change = (trial(speed + part * half).worse - here.worse).abs();
+                            let change = (trial(speed + part * half).badness - here.badness).abs();
                             assert!(
                                 change <= allowed,
                                 "{target:?} ζ {zeta} {damped} {speed} {share}: {change} > {allowed}"
@@ -375,20 +378,21 @@ mod tests {
     #[test]
     fn half_periods_sum_the_impulse_response() {
         for (zeta, radians) in [(0.0, 20.0), (0.01, 7.0), (0.2, 40.0), (1.0, 9.0), (3.0, 50.0)] {
-            let (next, sum) = half_periods(radians, zeta);
+            let (decay, d) = half_periods(radians, zeta);
             // ω = 1; h from its recurrence by the trapezoidal rule.
             let (step, mut h, mut rate) = (1e-4, 0.0_f64, 1.0_f64);
-            let (mut area, mut way) = (0.0, 0.0);
+            let (mut int_h, mut int_h1) = (0.0, 0.0);
             for _ in 0..(radians / step) as usize {
                 let middle = (h + 0.5 * step * rate, rate - 0.5 * step * (h + 2.0 * zeta * rate));
                 let (before, now) = (h, h + step * middle.1);
                 rate -= step * (middle.0 + 2.0 * zeta * middle.1);
                 h = now;
-                area += 0.5 * step * (before.abs() + now.abs());
-                way += (now - before).abs();
+                int_h += 0.5 * step * (before.abs() + now.abs());
+                int_h1 += (now - before).abs();
             }
-            assert!(area <= (1.0 + next) * sum * (1.0 + 1e-6) && way <= 2.0 * sum, "{zeta}: {area} {way}");
-            assert!(area > 0.6 * (1.0 + next) * sum, "{zeta}: {area}");
+            let bound = (1.0 + decay) * d;
+            assert!(int_h <= bound * (1.0 + 1e-6) && int_h1 <= 2.0 * d, "{zeta}: {int_h} {int_h1}");
+            assert!(int_h > 0.6 * bound, "{zeta}: {int_h}");
         }
     }
 }

@@ -239,8 +239,8 @@ impl Profile {
         let mut stations: Vec<f64> = self.x.iter().chain(&other.x).copied().collect();
         stations.sort_by(f64::total_cmp);
         stations.dedup();
-        // The slope ahead of a station, and what both have of it whatever their signs.
-        let ahead = |next: usize| match stations.get(next) {
+        // Slope of the line that ends at a station, and the sum of the magnitudes of its two parts.
+        let line_before = |index: usize| match stations.get(index) {
             Some(&at) => {
                 let (one, two) = (self.slope_before(at), other.slope_before(at));
                 (f(one, two), f(one, 0.0).abs() + f(0.0, two).abs())
@@ -248,15 +248,15 @@ impl Profile {
             None => (0.0, 0.0),
         };
         let mut draft = Draft::new(&stations);
-        let (mut behind, mut here, mut last) = (0.0, ahead(0), stations[0]);
+        let (mut behind, mut here, mut last) = (0.0, line_before(0), stations[0]);
         for (i, &station) in stations.iter().enumerate() {
-            let (next, (slope, steep)) = (ahead(i + 1), here);
+            let (next, (slope, steep)) = (line_before(i + 1), here);
             let z = f(self.elevation_before(station), other.elevation_before(station));
-            draft.go_on((station, z), (station - last) * slope, steep.max(behind).max(next.1));
+            draft.line_to((station, z), (station - last) * slope, steep.max(behind).max(next.1));
             (behind, here, last) = (steep, next, station);
             // Both sides of a step, whose breakpoint may be the first or the last.
             if self.steps_at(station) || other.steps_at(station) {
-                draft.step(f(self.elevation(station), other.elevation(station)));
+                draft.step_to(f(self.elevation(station), other.elevation(station)));
             }
         }
         Self::new(draft.x, draft.z)
@@ -298,7 +298,7 @@ impl Profile {
         let back = low.shifted(0.5 * length)?;
         let slope = front.combine(&back, |f, b| (f - b) / length)?;
         let mut draft = Draft::new(&slope.x);
-        draft.go_on((slope.x[0], base), 0.0, 0.0);
+        draft.line_to((slope.x[0], base), 0.0, 0.0);
         let (mut mean, mut added) = (0.0, 0.0);
         for i in 1..slope.x.len() {
             let run = slope.x[i] - slope.x[i - 1];
@@ -319,12 +319,12 @@ impl Profile {
                 let station = if share < 1.0 { slope.x[i - 1] + run * share } else { slope.x[i] };
                 let height = mean + run * share * (start + 0.5 * change * share);
                 let rise = run / chords * (start + change * middle);
-                draft.go_on((station, base + height), rise, steepest);
+                draft.line_to((station, base + height), rise, steepest);
             }
             mean += run * (start + 0.5 * change);
         }
         let Draft { mut x, mut z, .. } = draft;
-        // The sum of all pieces, less their rounding; where they end, if the last one was too short.
+        // The end is known without the rounding of the sum; the last station may have been dropped.
         let last = x.len() - 1;
         (x[last], z[last]) = (slope.x[slope.x.len() - 1], self.z[self.z.len() - 1]);
         Self::new(x, z)
@@ -334,51 +334,56 @@ impl Profile {
 /// Stations closer than this share of the farthest may be one but for rounding.
 const NEAR: f64 = 1e-9;
 
-/// Share of the slopes around by which rounding may falsify the slope between two of these.
-const WRONG: f64 = 1.0 / 256.0;
+/// Error of the slope between two of these, as a share of the steepest slope nearby, beyond which the
+/// later one is dropped.
+const MOST_SLOPE_ERROR: f64 = 1.0 / 256.0;
 
-/// A profile in the making, whose slopes are known better than its elevations tell.
+/// A profile in the making, whose rises are known more exactly than as differences of its elevations.
 ///
-/// Between stations that are one but for rounding the elevations would give a slope of nothing but
-/// rounding, and a gear's damper feels slopes. There the later breakpoint is put on the earlier one,
-/// which moves the profile by some last digits of its elevation.
+/// Between stations that are one but for rounding, the elevations would give a slope of nothing but
+/// rounding, and dampers feel slopes. Of two such breakpoints the later is dropped, which moves the
+/// profile by some last digits of its elevation.
 struct Draft {
     x: Vec<f64>,
     z: Vec<f64>,
+    /// Stations closer than this are near.
     near: f64,
-    /// From the last breakpoint to the last place, and the steepest slope around.
+    /// Exact rise since the last breakpoint kept, and the steepest slope nearby.
     rise: f64,
     steepest: f64,
 }
 
 impl Draft {
-    /// Through so many stations, or more.
+    /// Along these stations, or more between them.
     fn new(stations: &[f64]) -> Self {
         let (x, z) = (Vec::with_capacity(stations.len()), Vec::with_capacity(stations.len()));
         let farthest = stations[0].abs().max(stations[stations.len() - 1].abs());
         Self { x, z, near: NEAR * farthest, rise: 0.0, steepest: 0.0 }
     }
 
-    /// In a straight line to a place (x, z), which is a `rise` above the last one; how steep it is
-    /// around.
-    fn go_on(&mut self, (x, z): (f64, f64), rise: f64, steepest: f64) {
+    /// Adds a breakpoint at (x, z). `rise` is the exact rise since the last call, `steepest` the largest
+    /// slope nearby.
+    ///
+    /// A breakpoint near the last one kept is dropped if the slope between their elevations is further
+    /// off that of the exact rise than [`MOST_SLOPE_ERROR`] allows.
+    fn line_to(&mut self, (x, z): (f64, f64), rise: f64, steepest: f64) {
         self.rise += rise;
         self.steepest = self.steepest.max(steepest);
         if let (Some(from), Some(low)) = (self.x.last(), self.z.last()) {
-            let (run, wrong) = (x - from, (z - low - self.rise).abs());
-            if run <= self.near && wrong > WRONG * self.steepest * run {
+            let (run, error) = (x - from, (z - low - self.rise).abs());
+            if run <= self.near && error > MOST_SLOPE_ERROR * self.steepest * run {
                 return;
             }
         }
-        self.put(x, z);
+        self.keep(x, z);
     }
 
-    /// Vertically to another elevation.
-    fn step(&mut self, z: f64) {
-        self.put(self.x[self.x.len() - 1], z);
+    /// Adds a vertical step to another elevation.
+    fn step_to(&mut self, z: f64) {
+        self.keep(self.x[self.x.len() - 1], z);
     }
 
-    fn put(&mut self, x: f64, z: f64) {
+    fn keep(&mut self, x: f64, z: f64) {
         self.x.push(x);
         self.z.push(z);
         (self.rise, self.steepest) = (0.0, 0.0);

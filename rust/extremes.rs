@@ -32,7 +32,7 @@ use self::screen::Screen;
 use crate::error::{Error, Result};
 use crate::inside::Inside;
 use crate::lanes::LANES;
-use crate::march::{Block, Segment, Visitor, march};
+use crate::march::{KnotBlock, Segment, Visitor, march};
 use crate::readout::{Form, Heights, Quantity};
 use crate::run::Run;
 use crate::transition::{Drive, State, Transition};
@@ -241,7 +241,7 @@ impl Visitor for Search<'_> {
         self.look(segment);
     }
 
-    fn visit_block(&mut self, block: &mut Block) {
+    fn visit_block(&mut self, block: &mut KnotBlock) {
         block.march();
         look_at_block(self, block);
     }
@@ -252,7 +252,7 @@ impl Visitor for Search<'_> {
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn look_at_block(search: &mut Search, block: &Block) {
+fn look_at_block(search: &mut Search, block: &KnotBlock) {
     for segment in block.segments() {
         search.look(&segment);
     }

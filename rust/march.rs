@@ -12,7 +12,7 @@ use crate::transition::{Drive, State};
 
 /// A block of knots and the states there.
 #[derive(Clone, Debug)]
-pub(crate) struct Block<'a> {
+pub(crate) struct KnotBlock<'a> {
     path: Path<'a>,
     /// Time at which the first segment of the block begins: before all time in the first block.
     start: f64,
@@ -25,7 +25,7 @@ pub(crate) struct Block<'a> {
     short_bumps: ShortBumps,
 }
 
-impl<'a> Block<'a> {
+impl<'a> KnotBlock<'a> {
     /// The first block: at rest in equilibrium on the first elevations.
     fn new(run: &'a Run) -> Self {
         Self {
@@ -126,7 +126,8 @@ impl ShortBumps {
         Self { watching: true, was_level: true, enough, d: Lanes::ZERO, p: Lanes::ZERO }
     }
 
-    fn see(&mut self, knots: &Knots, slot: usize, state: &mut State, level: bool) {
+    /// Takes in a state just after a knot; on a level stretch, puts d right if p tells it better.
+    fn correct(&mut self, knots: &Knots, slot: usize, state: &mut State, level: bool) {
         self.d = self.d.max(state.d.abs());
         self.p = self.p.max(state.p.abs());
         if level && !self.was_level {
@@ -145,8 +146,8 @@ impl ShortBumps {
 
 /// Fills a block with states, from the one in slot 0 on.
 #[multiversion(targets("x86_64+avx2"))]
-fn march_block(block: &mut Block) {
-    let Block { path, state, before, plain, short_bumps, .. } = block;
+fn march_block(block: &mut KnotBlock) {
+    let KnotBlock { path, state, before, plain, short_bumps, .. } = block;
     let path = &*path;
     let Path { run, knots, .. } = path;
     if *plain {
@@ -167,7 +168,7 @@ fn march_block(block: &mut Block) {
         }
         drive = path.drive(slot);
         if short_bumps.watching {
-            short_bumps.see(knots, slot, &mut now, drive.beta == Lanes::ZERO);
+            short_bumps.correct(knots, slot, &mut now, drive.beta == Lanes::ZERO);
         }
         state[slot] = now;
     }
@@ -177,7 +178,7 @@ fn march_block(block: &mut Block) {
 /// the last never ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Segment<'a> {
-    block: &'a Block<'a>,
+    block: &'a KnotBlock<'a>,
     /// Slot of the knot at which it begins.
     slot: usize,
     /// Rounded time of the knot at which it begins.
@@ -264,7 +265,7 @@ pub(crate) trait Visitor {
     fn visit(&mut self, segment: &Segment);
 
     /// The segments that end in a block, which is yet to be marched through.
-    fn visit_block(&mut self, block: &mut Block) {
+    fn visit_block(&mut self, block: &mut KnotBlock) {
         block.march();
         for segment in block.segments() {
             self.visit(&segment);
@@ -277,7 +278,7 @@ pub(crate) trait Visitor {
 
 /// Visits every segment that begins at or before `end` (and a few more), unless stopped.
 pub(crate) fn march(run: &Run, end: f64, visitor: &mut impl Visitor) {
-    let mut block = Block::new(run);
+    let mut block = KnotBlock::new(run);
     loop {
         visitor.visit_block(&mut block);
         let past = block.times().last().is_some_and(|&last| last > end);

@@ -12,8 +12,8 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::error::{Error, Result};
 use crate::watch::Pulse;
 
-/// Between two questions to the caller.
-const PATIENCE: Duration = Duration::from_millis(50);
+/// Time between two calls of the caller's pulse.
+const PULSE_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Entries of a list that one thread makes at a time: milliseconds.
 const PORTION: usize = 1 << 10;
@@ -61,7 +61,7 @@ pub(crate) fn map<I: Send, T: Send>(
         });
         let mut asked = Ok(());
         loop {
-            match wait.recv_timeout(PATIENCE) {
+            match wait.recv_timeout(PULSE_INTERVAL) {
                 Ok(results) => return asked.and_then(|()| results.into_iter().collect()),
                 Err(RecvTimeoutError::Timeout) => {
                     if asked.is_ok() {

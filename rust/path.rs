@@ -1,5 +1,5 @@
 //! What can be known of a block without a state: its knots, the transitions between them, and
-//! what drives the modes on the way.
+//! what drives the modes between them.
 
 use multiversion::multiversion;
 
@@ -69,15 +69,15 @@ impl Kept {
     }
 }
 
-/// Rows of the march between two ways through memory; even, as they are taken in pairs.
+/// Segments marched over between two detours through memory; even, as they are taken in pairs.
 const ROUND: usize = 32;
 
-/// How the transitions of a block are come by.
+/// How the march gets the transitions of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Way {
     /// All segments are of one length: two at a stride.
     Even,
-    /// All are short: made on the way, while the march waits for its last state, and not kept.
+    /// All are short: computed as the march proceeds, while it waits for its last state, and not kept.
     Short,
     /// Looked up among those kept.
     Kept,

@@ -57,7 +57,7 @@ pub struct Generator {
     track_of: Vec<usize>,
     /// The lines in the band, in order of their first place: memory is then walked through, not
     /// jumped about in.
-    lines: Vec<Line>,
+    lines: Vec<SpectralLine>,
     /// Half of √v L of each line, L the factor of the tracks' coherencies.
     triangles: Vec<f64>,
     transform: Transform,
@@ -68,7 +68,7 @@ pub struct Generator {
 /// A real series of twice as many terms has its even stations as real parts, its odd ones as
 /// imaginary parts; line k then goes into terms k and size − k.
 #[derive(Clone, Copy, Debug)]
-struct Line {
+struct SpectralLine {
     number: u32,
     places: [u32; 2],
     /// e^(iπk ÷ size).
@@ -133,7 +133,7 @@ impl Generator {
         let (first, last) = (((longest / step + 0.5) as usize).max(1), size - 1);
         let end = ((shortest / step + 0.5) as usize).min(last) + 1;
         let transform = Transform::new(size, pulse)?;
-        let line = |k: usize| Line {
+        let line = |k: usize| SpectralLine {
             number: k as u32,
             places: [k, size - k].map(|k| transform.place(k)),
             turn: transform.turn(k),

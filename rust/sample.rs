@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use crate::error::{Error, Result};
 use crate::inside::{AT_ONCE, Inside};
 use crate::lanes::{LANES, Lanes};
-use crate::march::{Block, Segment, Visitor, march};
+use crate::march::{KnotBlock, Segment, Visitor, march};
 use crate::path::Trail;
 use crate::readout::{Form, Heights, Quantity};
 use crate::run::{Grid, Run};
@@ -39,7 +39,7 @@ impl Rows<'_> {
 
     /// A row a segment of a block.
     #[inline(always)]
-    fn march<const N: usize>(&mut self, block: &mut Block) {
+    fn march<const N: usize>(&mut self, block: &mut KnotBlock) {
         let begin = self.count * N;
         self.count += block.times().len();
         let Self { omega, rest, modal, rate, .. } = self;
@@ -148,7 +148,7 @@ impl OnGrid<'_, '_> {
     }
 
     /// Times of the knots of a block but the last, so many rows on.
-    fn keep_times(&mut self, rows: usize, block: &Block) {
+    fn keep_times(&mut self, rows: usize, block: &KnotBlock) {
         let [times @ .., _] = block.times() else { return };
         self.time[self.rows.count + rows..][..times.len()].copy_from_slice(times);
     }
@@ -166,7 +166,7 @@ impl Visitor for OnGrid<'_, '_> {
         }
     }
 
-    fn visit_block(&mut self, block: &mut Block) {
+    fn visit_block(&mut self, block: &mut KnotBlock) {
         let jumps = self.jumps || block.has_steps();
         if jumps || !self.row_a_knot(block.times()) {
             block.march();
@@ -204,7 +204,7 @@ fn are_spaced(times: &[f64], step: f64) -> bool {
 }
 
 #[multiversion(targets("x86_64+avx2"))]
-fn march_into(rows: &mut Rows, block: &mut Block) {
+fn march_into(rows: &mut Rows, block: &mut KnotBlock) {
     match rows.width {
         1 => rows.march::<1>(block),
         2 => rows.march::<2>(block),

@@ -5,8 +5,8 @@ use crate::error::Result;
 /// Asked now and then during long work whether to go on.
 pub type Pulse<'a> = &'a mut dyn FnMut() -> Result<()>;
 
-/// Units of work (a knot, a row) between two questions: a few milliseconds.
-const PATIENCE: u32 = 1 << 16;
+/// Units of work (a knot, a row) between two calls of the pulse: a few milliseconds.
+const WORK_PER_PULSE: u32 = 1 << 16;
 
 /// Counts work and asks in time.
 pub(crate) struct Watch<'a> {
@@ -25,7 +25,7 @@ impl<'a> Watch<'a> {
     #[inline(always)]
     pub fn go_on(&mut self, work: u32) -> bool {
         self.work += work;
-        if self.work >= PATIENCE {
+        if self.work >= WORK_PER_PULSE {
             self.ask();
         }
         self.outcome.is_ok()

@@ -23,7 +23,7 @@ fn gather(setups: &[Setup], part: impl Fn(&Setup) -> f64) -> Row {
 
 /// One mode's transition over a leg.
 #[derive(Clone, Copy)]
-pub(super) struct Step {
+pub(super) struct ModeStep {
     pub g: Row,
     pub s: Row,
     pub w: Row,
@@ -50,7 +50,7 @@ pub(super) struct Weights {
 /// Constants of the runs side by side.
 pub(super) struct Constants {
     /// Leg by leg, mode by mode.
-    pub steps: Vec<[Step; MODES]>,
+    pub steps: Vec<[ModeStep; MODES]>,
     /// Rates of the static position ÷ ω and forces ÷ ω² per rise, group by group.
     pub climb: Vec<[Row; MODES]>,
     pub drag: Vec<[Row; MODES]>,
@@ -63,7 +63,7 @@ impl Constants {
     pub fn new(setups: &[Setup]) -> Self {
         let layout = &setups[0].layout;
         let (legs, groups) = (layout.legs, layout.groups.len());
-        let step = |leg: usize, m: usize| Step {
+        let step = |leg: usize, m: usize| ModeStep {
             g: gather(setups, |s| s.transition[leg].g[m]),
             s: gather(setups, |s| s.transition[leg].s[m]),
             w: gather(setups, |s| s.transition[leg].w[m]),

@@ -54,7 +54,7 @@ const CHUNK: usize = 8;
 const ZERO: Row = Row::ZERO;
 
 /// A row for each period of a block.
-type Rows = [Row; PERIODS];
+type BlockRows = [Row; PERIODS];
 
 /// One more: where the last period ends.
 type MoreRows = [Row; PERIODS + 1];
@@ -85,13 +85,13 @@ pub(super) struct March<'a> {
     ahead: Ahead,
     /// First elevations less those of the first group.
     first: Vec<Row>,
-    first_rows: Vec<Rows>,
+    first_rows: Vec<BlockRows>,
     origin: Row,
     /// States at the start of each leg, leg by leg, and at the end of the block.
     states: Vec<States<MoreRows>>,
     state: States<Row>,
     /// Heights at the start of each leg, leg by leg, group by group.
-    heights: Vec<Vec<Rows>>,
+    heights: Vec<Vec<BlockRows>>,
     /// Moments of the periods' rows, lower triangle, over the run and over its tail.
     moments: [Vec<Row>; 2],
     /// Rows of a period, by threes.
@@ -176,7 +176,7 @@ impl<'a> March<'a> {
             }
             for part in parts(pulp::Scalar) {
                 let rest = part.load(&rest);
-                self.records.see(part, output, rest, rest);
+                self.records.update(part, output, rest, rest);
             }
         }
     }

@@ -56,7 +56,7 @@ impl Records {
 
     /// Takes in the largest and smallest of some more values.
     #[inline(always)]
-    pub fn see<S: Simd>(&mut self, part: Part<S>, output: usize, top: Vector<S>, bottom: Vector<S>) {
+    pub fn update<S: Simd>(&mut self, part: Part<S>, output: usize, top: Vector<S>, bottom: Vector<S>) {
         let [mut high, mut low] = self.best(part, output);
         (high, low) = (high.max(top), low.max(part.all(0.0) - bottom));
         if output >= self.loads {

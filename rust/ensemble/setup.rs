@@ -344,7 +344,7 @@ impl Setup {
         // span's legs, rounded up, from one of its ends.
         let swings = spans.iter().map(|span| span.len().div_ceil(2)).max().unwrap_or(1);
         let by_bend = self.bend(&output);
-        let by_swing = self.bound([Lanes::ZERO; 2], self.lengths.reach(output.amplitude));
+        let by_swing = self.bound([Lanes::ZERO; 2], self.lengths.bound_weights(output.amplitude));
         let scaled = |bound: Vec<f64>, scale: f64| bound.iter().map(|weight| weight * scale).collect();
         let bulge = [scaled(by_bend, longest * longest / 8.0), scaled(by_swing, 2.0 * swings as f64)];
         Reading { rise, height, first, rate, bulge, span, leg, square: [Vec::new(), Vec::new()], output }
@@ -357,7 +357,7 @@ impl Setup {
     /// follows every slope: |a| is at most what it is at the start of the period and what it gains.
     fn bend(&self, output: &Output) -> Vec<f64> {
         let period: f64 = self.dt.iter().sum();
-        let crude = self.lengths.reach(output.second);
+        let crude = self.lengths.bound_weights(output.second);
         let (mut state, mut lengths) = ([Lanes::ZERO; 2], crude);
         for mode in 0..MODES {
             let two_zeta = self.bank.two_zeta[mode];

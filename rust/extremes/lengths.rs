@@ -60,7 +60,7 @@ impl Lengths {
     }
 
     /// Weights of |y| and |ẏ/ω| in a sum that is not less than `weights` · lengths.
-    pub fn reach(&self, SlowFast([one, other]): SlowFast) -> [Lanes; 2] {
+    pub fn bound_weights(&self, SlowFast([one, other]): SlowFast) -> [Lanes; 2] {
         let Self { slow, across, fast } = self;
         [
             one * slow[0].abs() + other * fast[0].abs(),

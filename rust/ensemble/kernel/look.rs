@@ -60,7 +60,7 @@ impl March<'_> {
                 let weights = part.load_all(&self.constants.weights[output].state);
                 let value = value::<S, true>(part, &weights, &self.states[leg], 0)
                     + self.lines(part, output, (leg, 0), false);
-                self.records.see(part, output, value, value);
+                self.records.update(part, output, value, value);
             }
         }
     }
@@ -99,7 +99,7 @@ impl<S: Simd, const RATES: bool, const LINES: bool> View<'_, '_, S, RATES, LINES
             (*edges, last) = self.edges(chunk, start);
             (top, bottom) = (top.max(edges[0]), bottom.min(edges[1]));
         }
-        records.see(part, output, top, bottom);
+        records.update(part, output, top, bottom);
         if !march.between {
             return;
         }

@@ -43,7 +43,7 @@ impl March<'_> {
                             if column > row {
                                 break;
                             }
-                            let moment = &mut moments[place(row, column)];
+                            let moment = &mut moments[triangle_index(row, column)];
                             part.store(part.load(moment) + sum, moment);
                             if column == row && row < norms.len() {
                                 part.store(sum.sqrt(), &mut norms[row]);
@@ -70,12 +70,15 @@ impl March<'_> {
             for (row, group) in layout.inner_rows().zip(layout.inner()) {
                 let last = part.all(0.0) - part.load(&ground[group].rise[0]);
                 for (column, state) in state.iter().enumerate() {
-                    part.store(last * part.load(state), &mut moments[place(row, column)]);
+                    part.store(last * part.load(state), &mut moments[triangle_index(row, column)]);
                 }
                 for (column, group) in
                     layout.inner_rows().zip(layout.inner()).take_while(|&(column, _)| column <= row)
                 {
-                    part.store(last * part.load(&ground[group].rise[0]), &mut moments[place(row, column)]);
+                    part.store(
+                        last * part.load(&ground[group].rise[0]),
+                        &mut moments[triangle_index(row, column)],
+                    );
                 }
             }
         }
@@ -104,7 +107,7 @@ impl March<'_> {
 
 /// Where the product of two rows stands among the moments.
 #[inline(always)]
-fn place(row: usize, column: usize) -> usize {
+fn triangle_index(row: usize, column: usize) -> usize {
     row * (row + 1) / 2 + column
 }
 

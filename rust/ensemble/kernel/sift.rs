@@ -9,7 +9,7 @@ use super::super::records::{Candidate, Records};
 use super::super::setup::{Layout, MODES};
 use super::super::vector::{Mask, Part, Vector, parts};
 use super::look::ChunkBounds;
-use super::view::{Place, View, with_view};
+use super::view::{LegStart, View, with_view};
 use super::{CHUNK, Ground, March, RUNS, Row};
 use crate::lanes::Lanes;
 use crate::transition::{Drive, State};
@@ -305,7 +305,7 @@ impl<S: Simd, const RATES: bool, const LINES: bool> View<'_, '_, S, RATES, LINES
     fn look_between(
         &self,
         records: &mut Records,
-        (from, to): (Place, Place),
+        (from, to): (LegStart, LegStart),
         (start, end): (Vector<S>, Vector<S>),
         kink: usize,
         bend: Vector<S>,
@@ -332,14 +332,14 @@ impl<S: Simd, const RATES: bool, const LINES: bool> View<'_, '_, S, RATES, LINES
 
     /// Keeps a leg for the runs that may have a record on it.
     #[inline(always)]
-    fn weigh(&self, records: &mut Records, place: Place, runs: Mask<S>) {
+    fn weigh(&self, records: &mut Records, place: LegStart, runs: Mask<S>) {
         let Self { march, part, output, .. } = *self;
         let (leg, i) = place;
         let (start, end) = (self.after(place), self.before(place, march.layout.after(leg, i)));
         let none = part.all(f64::NEG_INFINITY);
         let (top, bottom) = (start.max(end), start.min(end));
         let of_runs = [runs.choose(top, none), runs.choose(bottom, part.all(f64::INFINITY))];
-        records.see(part, output, of_runs[0], of_runs[1]);
+        records.update(part, output, of_runs[0], of_runs[1]);
         let weights = &march.constants.weights[output];
         let [by_bend, by_swing] = &weights.bulge;
         let bend = march.own_bulge(part, by_bend, i) * part.load(&weights.leg[leg]);

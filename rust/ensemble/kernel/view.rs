@@ -10,7 +10,7 @@ use super::super::vector::{Part, Vector};
 use super::{CHUNK, March, MoreRows};
 
 /// Where a leg of a period begins: leg and period.
-pub(super) type Place = (usize, usize);
+pub(super) type LegStart = (usize, usize);
 
 /// One output of a register's runs over a block; `RATES` where velocities enter, `LINES` where slopes
 /// or elevations do, so that it may jump.
@@ -63,7 +63,7 @@ impl<'m, 'a, S: Simd, const RATES: bool, const LINES: bool> View<'m, 'a, S, RATE
 
     /// Where so many periods end.
     #[inline(always)]
-    pub fn end(&self, periods: usize) -> Place {
+    pub fn end(&self, periods: usize) -> LegStart {
         self.march.layout.after(self.legs - 1, periods - 1)
     }
 
@@ -96,7 +96,7 @@ impl<'m, 'a, S: Simd, const RATES: bool, const LINES: bool> View<'m, 'a, S, RATE
 
     /// The value just after a place.
     #[inline(always)]
-    pub fn after(&self, (leg, i): Place) -> Vector<S> {
+    pub fn after(&self, (leg, i): LegStart) -> Vector<S> {
         let value = value::<S, RATES>(self.part, &self.weights, &self.march.states[leg], i);
         if LINES { value + self.march.lines(self.part, self.output, (leg, i), false) } else { value }
     }
@@ -104,7 +104,7 @@ impl<'m, 'a, S: Simd, const RATES: bool, const LINES: bool> View<'m, 'a, S, RATE
     /// The value just before a place, coming from another. With `LINES`, the place is `from` itself, or
     /// where the leg that begins at `from` ends: the lines are those of that leg.
     #[inline(always)]
-    pub fn before(&self, from: Place, (leg, i): Place) -> Vector<S> {
+    pub fn before(&self, from: LegStart, (leg, i): LegStart) -> Vector<S> {
         debug_assert!(!LINES || (leg, i) == from || (leg, i) == self.march.layout.after(from.0, from.1));
         let value = value::<S, RATES>(self.part, &self.weights, &self.march.states[leg], i);
         // No leg ends at the place itself: the value there.

@@ -173,7 +173,11 @@ fn check_range(inertia: &Inertia, gears: &[Gear]) -> Result<()> {
     if inertia.gravity != 0.0 && !fits(inertia.mass * inertia.gravity) {
         let (name, value) =
             if moderate(inertia.mass) { ("gravity", inertia.gravity) } else { ("mass", inertia.mass) };
-        return Err(Error::OutOfRange { place: name.into(), value, why: "mass · gravity" });
+        return Err(Error::OutOfRange {
+            place: name.into(),
+            value,
+            why: "mass · gravity must lie between 1e-200 and 1e200",
+        });
     }
     let axes = ["", "x", "y"].into_iter().zip(["mass", "pitch_inertia", "roll_inertia"]);
     for (axis, (arm, mass_name)) in axes.enumerate() {

@@ -1,4 +1,4 @@
-//! The one error type. Every variant carries the numbers that are wrong.
+//! The one error type. Where numbers are wrong, its variants carry them.
 
 use std::fmt;
 
@@ -64,7 +64,7 @@ pub enum Error {
     /// Negative where zero is the least.
     #[error("{place} = {value:?} is negative")]
     Negative { place: Place, value: f64 },
-    /// A sequence that steps back.
+    /// A sequence that decreases.
     #[error("{place} = {value:?} is less than {previous:?} before it: values may not decrease")]
     Decreasing { place: Place, value: f64, previous: f64 },
     /// An array with too few entries.
@@ -73,12 +73,12 @@ pub enum Error {
     /// An array whose length does not match another's.
     #[error("{argument} has {found} entries, {expected} expected ({why})")]
     WrongLength { argument: &'static str, found: usize, expected: usize, why: &'static str },
-    /// Two gears of one name.
+    /// Two gears with the same name.
     #[error("gears[{second}].name = '{name}' repeats the name of gears[{first}]")]
     DuplicateGear { name: String, first: usize, second: usize },
     /// The gears cannot carry the weight in equilibrium.
     #[error(
-        "gears: {freedom} has no stiffness and the weight would excite it \
+        "gears: {freedom} has no stiffness, and the weight does not balance in it \
          ({gears} gear(s), unbalanced arm {arm:?} from the centre of gravity)"
     )]
     Unsupported { freedom: &'static str, gears: usize, arm: f64 },
@@ -103,14 +103,14 @@ pub enum Error {
          0 ± {tolerance:?} expected (orthonormal shapes, Eq. 7)"
     )]
     NotOrthogonal { row: usize, column: usize, value: f64, tolerance: f64 },
-    /// A mode shape of another size than 1 with respect to the mass matrix (Eq. 7).
+    /// A mode shape whose norm with respect to the mass matrix is not 1 (Eq. 7).
     #[error(
         "shapes: column {column} has shapeᵀ M shape = {value:?}, 1 ± {tolerance:?} expected \
          (orthonormal shapes, Eq. 7): divide it by {size:?}",
         size = value.sqrt()
     )]
     NotNormal { column: usize, value: f64, tolerance: f64 },
-    /// Coherent tracks of a spectrum that is no power law.
+    /// Coherent tracks from a spectrum that is not a single power law.
     #[error(
         "tracks a distance apart need a spectrum of one waviness: the coherency on an isotropic \
          surface is known for power laws, not for a table of several"

@@ -64,7 +64,7 @@ impl Extreme {
         if self.max >= -self.min { (self.max, self.time_of_max) } else { (-self.min, self.time_of_min) }
     }
 
-    /// Sums of times round; what was found lies between the two given.
+    /// With both times in [`begin`, `end`]: they are sums, which rounding may take outside.
     fn within(mut self, begin: f64, end: f64) -> Self {
         self.time_of_max = self.time_of_max.clamp(begin, end);
         self.time_of_min = self.time_of_min.clamp(begin, end);
@@ -288,7 +288,7 @@ impl Run {
             outputs,
             heights,
             has_lines,
-            fastest: bank.omega.0.into_iter().fold(0.0, f64::max),
+            fastest: bank.fastest(),
             begin,
             end,
             last: State::REST,

@@ -24,7 +24,7 @@ pub(crate) struct Step {
     pub height: f64,
 }
 
-/// How knots are put in order: as long as it goes, by following the foremost track.
+/// How knots are put in order: as long as possible by following the foremost track.
 #[derive(Clone, Debug)]
 enum Order<'a> {
     Shared(InStep<'a>),
@@ -34,7 +34,7 @@ enum Order<'a> {
 /// The tracks' breakpoints in one order, a block of knots at a time.
 ///
 /// A vertical step makes two knots at one distance. Slot 0 of a block is the last knot of the
-/// block before; what lies before the first knot of all counts as one, at its distance.
+/// block before; in the first block, a knot at the distance of the first of all.
 #[derive(Clone, Debug)]
 pub(crate) struct Knots<'a> {
     run: &'a Run,
@@ -42,12 +42,12 @@ pub(crate) struct Knots<'a> {
     /// Slots in use.
     pub len: usize,
     distance: Distances<SLOTS>,
-    /// Rounded times: the names of instants that are known more exactly. Infinite in the slot
-    /// after the last knot of the run.
+    /// Rounded times: labels of instants that are known more exactly. Infinite in the slot after the
+    /// last knot.
     pub time: [f64; SLOTS + 1],
     /// Time from the knot before.
     pub dt: [f64; SLOTS],
-    /// Whether there are knots, and all of these are the same.
+    /// Whether the block has knots after slot 0, and the times between them are all the same.
     pub is_even: bool,
     /// A row a track: slope after each knot.
     pub slopes: Vec<[f64; SLOTS]>,

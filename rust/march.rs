@@ -126,7 +126,7 @@ impl ShortBumps {
         Self { watching: true, was_level: true, enough, d: Lanes::ZERO, p: Lanes::ZERO }
     }
 
-    /// Takes in a state just after a knot; on a level stretch, puts d right if p tells it better.
+    /// Takes in a state just after a knot; where a level stretch begins, corrects d if p tells it better.
     fn correct(&mut self, knots: &Knots, slot: usize, state: &mut State, level: bool) {
         self.d = self.d.max(state.d.abs());
         self.p = self.p.max(state.p.abs());

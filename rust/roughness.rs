@@ -100,19 +100,23 @@ impl Generator {
         let Stretch { length, spacing } = stretch;
         positive("length", length)?;
         positive("spacing", spacing)?;
-        let (longest, shortest) = spectrum.band();
-        if 2.0 * spacing * shortest > 1.0 + 1e-9 {
-            return Err(Error::TooCoarse { spacing, most: 0.5 / shortest });
+        let (low, high) = spectrum.band();
+        if 2.0 * spacing * high > 1.0 + 1e-9 {
+            return Err(Error::TooCoarse { spacing, most: 0.5 / high });
         }
         // A length that is a whole number of spacings but for rounding is one.
         let segments = (length / spacing - 1e-9).ceil().max(1.0);
-        let period = segments + (MARGIN / (longest * spacing)).ceil();
+        let period = segments + (MARGIN / (low * spacing)).ceil();
         if period > MOST_SPACINGS {
-            // Whichever of the two takes most of them is told.
+            // The error names whichever of the two takes up more of the period.
             let (place, value, why) = if 2.0 * segments > period {
                 ("length", length, "with two of the band's longest waves it holds more than 2^23 spacings")
             } else {
-                ("spacing", spacing, "the band's longest wave holds too many: with the length more than 2^23")
+                (
+                    "spacing",
+                    spacing,
+                    "more than 2^23 of it fit into the length and two of the band's longest waves",
+                )
             };
             return Err(Error::OutOfRange { place: place.into(), value, why });
         }
@@ -130,8 +134,8 @@ impl Generator {
         // Half a period of lines in as many complex terms.
         let size = Transform::fast_size((period as usize).div_ceil(2));
         let step = 1.0 / (2.0 * size as f64 * spacing);
-        let (first, last) = (((longest / step + 0.5) as usize).max(1), size - 1);
-        let end = ((shortest / step + 0.5) as usize).min(last) + 1;
+        let (first, last) = (((low / step + 0.5) as usize).max(1), size - 1);
+        let end = ((high / step + 0.5) as usize).min(last) + 1;
         let transform = Transform::new(size, pulse)?;
         let line = |k: usize| SpectralLine {
             number: k as u32,
@@ -142,7 +146,7 @@ impl Generator {
         threads().install(|| lines.par_sort_unstable_by_key(|line| line.places[0]));
         let triangle = |i: usize| {
             let k = f64::from(lines[i].number);
-            let upper = if lines[i].number as usize == last { shortest } else { (k + 0.5) * step };
+            let upper = if lines[i].number as usize == last { high } else { (k + 0.5) * step };
             let half_deviation = 0.5 * spectrum.variance((k - 0.5) * step, upper).sqrt();
             let mut triangle = Vec::with_capacity(distinct.len() * (distinct.len() + 1) / 2);
             coherency.factor(k * step, &distinct, &mut triangle);

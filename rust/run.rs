@@ -28,7 +28,7 @@ const MOST_SAMPLES: f64 = 1e8;
 /// What an error calls the time at which the last gear meets the last breakpoint.
 pub(crate) const LAST_KNOT: &str = "time of the last knot";
 
-/// Longest run in radians of the fastest mode: beyond it a phase has no digits left.
+/// Largest time · ω max(1, 2ζ) of a mode: beyond, its phase has no digits left.
 const LONGEST_PHASE: f64 = 1e12;
 
 /// Latest time on a level runway: its distance must stay in double precision.
@@ -62,13 +62,11 @@ pub struct Run {
     pub(crate) tracks: Vec<Track>,
     /// Track of each gear.
     pub(crate) track_of: Vec<usize>,
-    /// Where all tracks have theirs on one grid.
+    /// If the knots of all tracks fall on one grid.
     pub(crate) shared_knots: Option<SharedKnots>,
     pub(crate) oscillators: Oscillators,
     pub(crate) speed: f64,
     pub(crate) damping_input: bool,
-    fastest: f64,
-    stiffest: f64,
 }
 
 impl Run {
@@ -121,21 +119,8 @@ impl Run {
                 }
             }
         }
-        let fastest = omega.iter().copied().fold(0.0, f64::max);
-        let stiffest = omega.iter().zip(modes.damping_ratio()).map(|(w, z)| w * (2.0 * z).max(1.0));
-        let stiffest = stiffest.fold(0.0, f64::max);
         let shared_knots = SharedKnots::find(&tracks);
-        let run = Self {
-            modes,
-            tracks,
-            track_of,
-            shared_knots,
-            oscillators,
-            speed,
-            damping_input,
-            fastest,
-            stiffest,
-        };
+        let run = Self { modes, tracks, track_of, shared_knots, oscillators, speed, damping_input };
         run.check_span(LAST_KNOT, run.last_time())?;
         run.check_span("time of the first knot", run.first_time())?;
         Ok(run)
@@ -173,20 +158,20 @@ impl Run {
         self.tracks.iter().filter_map(last).reduce(f64::max).unwrap_or(0.0)
     }
 
-    /// Refuses times at which a phase ω t has no digits left.
+    /// Refuses times at which the phase of a mode has no digits left.
     fn check_span(&self, place: impl Into<Place>, time: f64) -> Result<()> {
         let level = self.tracks.iter().all(|track| track.profile.is_level());
-        if time.abs() * self.stiffest < LONGEST_PHASE || (level && time.abs() < LONGEST_TIME) {
+        if time.abs() * self.oscillators.stiffest() < LONGEST_PHASE || (level && time.abs() < LONGEST_TIME) {
             return Ok(());
         }
-        let why = "a time beyond 1e12 radians of the fastest mode";
+        let why = "a mode's phase has no digits left where time · ω · max(1, 2ζ) reaches 1e12";
         Err(Error::OutOfRange { place: place.into(), value: time, why })
     }
 
     /// Checks times given by a caller: finite, never decreasing, at least one.
     ///
     /// # Errors
-    /// As said, and times too long after the start for a phase to have digits.
+    /// Times that are not so, or so late that a phase has no digits left.
     pub fn check_times(&self, times: &[f64]) -> Result<()> {
         non_decreasing("times", times)?;
         let (Some(first), Some(last)) = (times.first(), times.last()) else {
@@ -200,7 +185,7 @@ impl Run {
     /// passed the last knot.
     ///
     /// # Errors
-    /// A span too long for a phase to have digits.
+    /// A span so long that a phase has no digits left.
     pub fn span(&self) -> Result<(f64, f64)> {
         let end = self.last_time().max(0.0) + AFTER_LAST_KNOT;
         self.check_span(DEFAULT_DURATION, end)?;
@@ -225,7 +210,7 @@ impl Run {
             None => (DEFAULT_DURATION, self.last_time().max(0.0) + AFTER_LAST_KNOT),
         };
         self.check_span(name, end)?;
-        let step = std::f64::consts::TAU / (self.fastest * SAMPLES_PER_PERIOD);
+        let step = std::f64::consts::TAU / (self.oscillators.fastest() * SAMPLES_PER_PERIOD);
         let between = (end - begin) / step;
         if between > MOST_SAMPLES {
             return Err(Error::OutOfRange {
@@ -253,8 +238,7 @@ impl Run {
         self.damping_input
     }
 
-    /// At most so many knots. What this leaves out of the room for results is memory that need not be
-    /// fetched anew for every run.
+    /// An upper bound on the number of knots. The closer it is, the less memory is fetched for results.
     fn most_knots(&self) -> usize {
         match &self.shared_knots {
             Some(shared) => shared.most(&self.tracks),
@@ -262,10 +246,10 @@ impl Run {
         }
     }
 
-    /// At most so many default time points lie between knots: only where the knots of every track
-    /// are far apart, so also where those of one are.
+    /// An upper bound on the number of default time points between knots: they lie only where the knots of
+    /// all tracks are far apart, hence where those of this one are.
     fn between(&self, track: &Track, begin: f64, end: f64, step: f64) -> usize {
-        // Of a span that is a step long but for the rounding of times.
+        // Shortest span, in steps, that may hold a time point: a whole step but for the rounding of times.
         const NEARLY: f64 = 0.99;
         let x = track.profile.knots();
         let (Some(&first), Some(&last)) = (x.first(), x.last()) else {

@@ -24,7 +24,7 @@
 //! G satisfies G″ + 2ζG′ + G = 1, so its Taylor coefficients follow from ζ alone by a
 //! two-term recurrence, and Δt is reached from a short Taylor step by doubling:
 //! E(2x) = E(x)². One path serves undamped, underdamped, critical and overdamped motion
-//! alike, and uses only +, −, × and one table: the same bits on every machine.
+//! alike. It uses only +, − and × (and, once for the coefficients, ÷): the same bits on every machine.
 
 use crate::lanes::Lanes;
 
@@ -110,7 +110,7 @@ pub struct Oscillators {
     pub omega: Lanes,
     /// 2ζ.
     pub two_zeta: Lanes,
-    /// Fastest rate of change, max over the bank of ω max(1, 2ζ): sets the Taylor step.
+    /// Fastest rate of change, the largest ω max(1, 2ζ) of the bank: sets the Taylor step.
     stiffest: f64,
     taylor_g: [Lanes; TERMS],
     taylor_k: [Lanes; TERMS],
@@ -148,6 +148,16 @@ impl Oscillators {
             }
         }
         bank
+    }
+
+    /// Highest frequency.
+    pub(crate) fn fastest(&self) -> f64 {
+        self.omega.0.into_iter().fold(0.0, f64::max)
+    }
+
+    /// Largest ω max(1, 2ζ).
+    pub(crate) fn stiffest(&self) -> f64 {
+        self.stiffest
     }
 
     /// The transition over a time `dt` ≥ 0.
@@ -199,7 +209,7 @@ impl Oscillators {
         self.step::<TERMS>(dt)
     }
 
-    /// One of its oscillators in every lane: for several times side by side.
+    /// The bank with one of its oscillators in every lane: for several times side by side.
     pub(crate) fn alone(&self, lane: usize) -> Self {
         let alone = |lanes: &Lanes| Lanes::all(lanes[lane]);
         Self {

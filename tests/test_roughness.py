@@ -543,7 +543,7 @@ def test_bad_unit_and_frequency() -> None:
         ({"length": 1e12}, "length = 1000000000000.0 is out of range: with two of"),
         (
             {"spacing": 1e-6, "length": 1.0},
-            "spacing = 1e-6 is out of range: the band's longest wave",
+            "spacing = 1e-6 is out of range: more than 2^23 of it fit into",
         ),
         ({"runs": 0}, "runs = 0 must be at least 1"),
         ({"runs": 2.0}, "runs = 2.0 is not a whole number"),

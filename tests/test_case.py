@@ -113,7 +113,9 @@ def test_one_degree_of_freedom_and_measured_modes(tmp_path: Path) -> None:
     corrected = measured.replace("[[", "static_correction = true\n[[")
     assert read(tmp_path, INCHES + corrected + MAT + RUN).modes.static_correction
     of_own = '[aircraft]\npreset = "f4e"\nstatic_correction = true\n'
-    with pytest.raises(rm.InputError, match=r":6: aircraft: static_correction: of measured"):
+    with pytest.raises(
+        rm.InputError, match=r":6: aircraft: static_correction applies only to measured"
+    ):
         read(tmp_path, INCHES + of_own + MAT + RUN)
 
 
@@ -199,7 +201,7 @@ def test_every_shape_is_in_the_example() -> None:
         (INCHES + FULL.replace('"18.024 kip/ft"', "-1") + MAT + RUN, "15: .*gears.0.: stiff"),
         (INCHES + F4E + MAT + 'gears = ["noze"]\n' + RUN, "did you mean 'nose'"),
         (INCHES + F4E + MAT + RUN + "damping_input = 1\n", "11: run: damping_input = 1 is not"),
-        (INCHES + MAT + RUN, "either .aircraft. or .single_dof."),
+        (INCHES + MAT + RUN, "exactly one of .aircraft. and .single_dof."),
         ("a = \n", "line 1"),
         (
             METRES + F4E + '[[track]]\nshape = "mat"\nlength = "3 ft"\nramp = -1\n' + RUN,
@@ -217,16 +219,26 @@ def test_every_shape_is_in_the_example() -> None:
             INCHES + F4E + MAT + '[[track]]\nshape = "full_mat"\ngap = -2\n' + RUN,
             "11: track.1.: gap = -2.0 is negative",
         ),
+        (
+            INCHES + F4E + MAT + '[[track]]\nshape = "full_mat"\nstart = 0\ngap = 2\n' + RUN,
+            "12: track.1.: give either gap or start, not both",
+        ),
+        (
+            INCHES + FULL.replace("stiffness = ", "tire = 1\nstiffness = ", 1) + MAT + RUN,
+            "gears.0.: give either stiffness or strut and tire, not both",
+        ),
+        ("title = 3\n" + INCHES + F4E + MAT + RUN, "1: title = 3 is not a string"),
+        ("title = ''\n" + INCHES + F4E + MAT + RUN, "1: title = '' is empty"),
         (INCHES + F4E + MAT + '[footprint]\nnoze = 1\n' + RUN, "10: footprint: unknown key"),
         (INCHES + F4E + MAT + RUN + '[output]\ncsv = "-"\n', "12: output: csv = '-': standard"),
         (INCHES + F4E + MAT + RUN + "duration = -1\n", "11: run: duration = -1.0 is not positive"),
-        (INCHES + F4E + MAT + '[run]\nspeeds = ["20 kt", "20 kt"]\n', "10: .*is there before"),
+        (INCHES + F4E + MAT + '[run]\nspeeds = ["20 kt", "20 kt"]\n', "10: .*is given twice"),
         (INCHES + F4E + MAT + "[run]\nspeeds = [true]\n", "speeds.0. = True is not a number"),
-        (INCHES + F4E + MAT + 'gears = ["nose", "nose"]\n' + RUN, "9: .*'nose' is there twice"),
+        (INCHES + F4E + MAT + 'gears = ["nose", "nose"]\n' + RUN, "9: .*'nose' is listed twice"),
         (INCHES + F4E + '[[track]]\nfile = "no.csv"\n' + RUN, "8: .*cannot read .*no.csv: No such"),
         (
             INCHES + F4E + '[[track]]\nfile = "a.csv"\nelevation = {nose = 1}\n' + RUN,
-            "9: track.0.: elevation is not a heading or a number",
+            "9: track.0.: elevation is neither a heading nor a number",
         ),
         (
             INCHES + F4E.replace("damping_ratio = 0.01", "[[aircraft.modes]]\nomega = 1\n"
@@ -236,7 +248,7 @@ def test_every_shape_is_in_the_example() -> None:
         (INCHES + F4E + 'nonlinear = true\nstiffness = "static"\n' + MAT + RUN, "8: .*'stiffness'"),
         (
             INCHES + F4E + "nonlinear = true\n" + MAT + RUN + "damping_input = false\n",
-            "12: run: damping_input: a nonlinear run always has it",
+            "12: run: damping_input: a nonlinear run always includes it",
         ),
     ],
 )  # fmt: skip

@@ -108,7 +108,7 @@ def test_a_nonlinear_aircraft_runs_over_one_but_not_over_all(
     (response,) = replay.run().values()
     assert response.stiffness.shape[1] == 3
     assert main(["mc", str(tmp_path / "case.toml")]) == 2
-    said = "case.toml:7: aircraft: nonlinear: a Monte Carlo takes the linear model"
+    said = "case.toml:7: aircraft: nonlinear: a Monte Carlo needs the linear model"
     assert said in capsys.readouterr().err
 
 
@@ -132,7 +132,10 @@ def test_every_key_is_in_the_example() -> None:
         (POWER.replace("16e-6 m3", "16e-6 m2") + RUNS, "8: roughness: coefficient = .*like 'm3'"),
         (POWER.replace("0.5 cyc", "0.001 cyc") + RUNS, "10: roughness: band"),
         (POINTS.replace("0.05 ", "0.5 ") + RUNS, "8: roughness: n.2. = 0.5"),
-        ("[roughness]\nwaviness = 2\n" + RUNS, "7: roughness: iso8608, coefficient or n is needed"),
+        (
+            "[roughness]\nwaviness = 2\n" + RUNS,
+            "7: roughness: one of iso8608, coefficient and n is needed",
+        ),
         (RUNS, "roughness is missing"),
         (CLASS_A, "monte_carlo is missing"),
         (CLASS_A + RUNS + "chunks = 3\n", "14: monte_carlo: unknown key 'chunks'"),

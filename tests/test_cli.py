@@ -39,7 +39,7 @@ def test_unloading_is_said(case: Path, capsys: pytest.CaptureFixture[str]) -> No
     case.write_text(text.replace('"full_mat"', '"mat"\nlength = 930\nheight = 4', 1), "utf-8")
     assert main(["run", str(case)]) == 0
     printed = capsys.readouterr().out
-    assert "WARNING: nose, left, right unloads" in printed
+    assert "WARNING: load reaches zero on nose, left, right; the linear model" in printed
     assert [line.split()[0] for line in printed.splitlines() if line.endswith("UNLOADS")] == [
         "nose",
         "left",
@@ -163,11 +163,11 @@ def test_one_speed_spelled_twice_is_two_runs(case: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--csv", "-", "--json", "-"], "standard output takes one of them"),
-        (["--figure", "-"], "--figure -: standard output takes csv or json"),
+        (["--csv", "-", "--json", "-"], "only one of them can go to standard output"),
+        (["--figure", "-"], "--figure -: only csv or json can go to standard output"),
         (["--figure", "a.xyz"], "figure a.xyz: "),
-        (["--csv", "./case.toml"], "csv ./case.toml: this is the case file"),
-        (["--csv", "a.b", "--json", "./a.b"], "json ./a.b: this is where csv goes"),
+        (["--csv", "./case.toml"], "csv ./case.toml: that is the case file"),
+        (["--csv", "a.b", "--json", "./a.b"], "json ./a.b: already taken by csv"),
         (["--csv", "none/a.csv"], "error: none/a.csv: No such file or directory"),
         (["--parquet", "none/a.parquet"], "'none'"),
     ],
@@ -192,7 +192,7 @@ def test_a_survey_is_not_written_over(case: Path, capsys: pytest.CaptureFixture[
     text = case.read_text(encoding="utf-8")
     case.write_text(text.replace('shape = "full_mat"', 'file = "survey.csv"\nunit = "in"'), "utf-8")
     assert main(["run", str(case), "--csv", str(survey)]) == 2
-    assert f"csv {survey}: this is a track of the case" in capsys.readouterr().err
+    assert f"csv {survey}: that is a track of the case" in capsys.readouterr().err
     assert survey.read_text(encoding="utf-8") == table
     assert main(["run", str(case), "--csv", str(case.with_name("other.csv"))]) == 0
 

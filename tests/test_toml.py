@@ -99,7 +99,7 @@ def test_what_windows_writes_is_read(tmp_path: Path, encoding: str, end: str) ->
 @pytest.mark.parametrize(
     ("data", "said"),
     [
-        (b"a = 1\nb = '\xff'\n", ":2: this is no text in UTF-8"),
+        (b"a = 1\nb = '\xff'\n", ":2: not UTF-8 text"),
         (b"a = 1\nb = \n", r"line 2"),
         (b"a = 1" + b"0" * 5000, "digits"),
         (b"a = " + b"[" * 5000, "recursion"),

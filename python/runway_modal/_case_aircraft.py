@@ -1,4 +1,4 @@
-"""Aircraft of a case file."""
+"""The aircraft of a case file."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from . import nonlinear
     from ._toml import Table
 
-#: Keys of the one preset, and of an aircraft whose data the file has.
+#: Keys of an aircraft preset, and of an aircraft whose data the file gives.
 _PRESET, _DATA = (
     ("preset", "stiffness", "nonlinear"),
     ("mass", "pitch_inertia", "roll_inertia", "gravity", "gears"),
@@ -65,10 +65,10 @@ def linear(table: Table, units: Units) -> Modes:
     with table.located():
         if not measured:
             if "static_correction" in table.values:
-                raise InputError("static_correction: of measured modes only")
+                raise InputError("static_correction applies only to measured modes")
             return aircraft.modes(table.values.get("damping_ratio"))
         if "damping_ratio" in table.values:
-            raise InputError("damping_ratio: each of the measured modes has its own")
+            raise InputError("damping_ratio: each measured mode has its own")
         for mode in measured:
             mode.only("omega", "damping_ratio", "shape")
         shapes = [mode.get("shape") for mode in measured]
@@ -95,7 +95,7 @@ def _stations(table: Table, units: Units) -> dict[str, Any]:
 def nonlinear_and_modes(
     table: Table, units: Units, notes: list[str]
 ) -> tuple[nonlinear.Aircraft, Modes]:
-    """Make the F-4E on gas struts, and the modes that it has near rest."""
+    """Make the F-4E on gas struts, and the modes it has near rest."""
     from . import nonlinear
 
     table.only("preset", "nonlinear", "damping_ratio", "stations")
@@ -137,14 +137,14 @@ def _gear(table: Table, units: Units) -> Gear:
     with table.located():
         if "stiffness" in table.values:
             if {"strut", "tire"} & table.values.keys():
-                raise InputError("stiffness: give it or strut and tire, not both")
+                raise table.fault("give either stiffness or strut and tire, not both", "stiffness")
             return Gear(name, x, y, table.quantity("stiffness", STIFFNESS, units), damping)
         strut, tire = (table.quantity(key, STIFFNESS, units) for key in ("strut", "tire"))
         return Gear.from_series(name, x, y, strut=strut, tire=tire, damping=damping)
 
 
 def _in_units(aircraft: Aircraft, units: Units, stations: Mapping[str, Any]) -> Aircraft:
-    """Turn an aircraft of the report's units into one of the case's."""
+    """Convert an aircraft from the report's units to the case's."""
     converted = _converter(units)
     return Aircraft(
         mass=converted(aircraft.mass, MASS),
@@ -166,12 +166,12 @@ def _in_units(aircraft: Aircraft, units: Units, stations: Mapping[str, Any]) -> 
 
 
 def _converter(units: Units) -> Callable[[float, Dimension], float]:
-    """Make the function that turns a quantity of the report's units into one of the case's."""
+    """Make the function that converts a quantity from the report's units to the case's."""
     return lambda value, dimension: value * REPORT.factor(units, dimension)
 
 
 def one_degree_of_freedom(table: Table, units: Units) -> Modes:
-    """Make the one mode of the report's simplest model."""
+    """Make the single mode of the report's simplest model."""
     table.only("mass", "omega", "damping_ratio", "gravity")
     with table.located():
         return single_dof(

@@ -1,4 +1,4 @@
-"""What to know of a case before its numbers are trusted."""
+"""What to know about a case before trusting its numbers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from .case import Case
     from .profile import Profile
 
-#: Damping ratio beyond which it matters whether dampers feel the ground.
+#: Damping ratio beyond which it matters whether the ground acts on the dampers.
 _DAMPED = 0.03
 
 #: Grade from end to end beyond which the kinks at both ends matter.
@@ -20,7 +20,7 @@ _GRADE = 1e-3
 
 
 def notes(case: Case) -> Iterator[str]:
-    """Tell what is inferred, left out or added by the model, a line each."""
+    """Tell what the model infers, leaves out or adds, one line each."""
     tracks = case.tracks or {}
     for note in case.notes:
         yield f"Inferred, not published: {note}"
@@ -30,7 +30,7 @@ def notes(case: Case) -> Iterator[str]:
 
 
 def on_dampers(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:
-    """Tell what a linear run over these tracks leaves out of the dampers."""
+    """Tell which effects of the dampers a linear run over these tracks leaves out."""
     damped = [gear.name for gear in case.modes.aircraft.gears if gear.damping]
     if not damped:
         return
@@ -38,14 +38,14 @@ def on_dampers(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:
         if case.modes.damping_ratio.max() > _DAMPED:
             yield (
                 "WARNING: the dampers feel the aircraft's motion but not the ground's, as in the "
-                "report: loads may be far too low; [run] damping_input = true."
+                "report; loads may be far too low (set damping_input = true under [run])"
             )
         return
     struck = [name for name in damped if name in tracks and (np.diff(tracks[name].x) == 0.0).any()]
     if struck:
         yield (
-            f"WARNING: vertical steps strike the dampers of {', '.join(struck)}: that blow is left "
-            "out; a ramp or [footprint] shows it."
+            f"WARNING: vertical steps strike the dampers of {', '.join(struck)}; the results leave "
+            "out that impulse (model the edge as a ramp, or use [footprint])"
         )
 
 
@@ -57,7 +57,7 @@ def _on_grades(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:
             by_grade.setdefault(f"{rise:+.4g} {case.units.length}", []).append(name)
     for rise, names in by_grade.items():
         yield (
-            f"NOTE: from end to end the track under {', '.join(names)} rises by {rise}. Before and "
-            "after it the runway is level: the loads at these kinks count. detrend = true takes "
-            "the grade out."
+            f"NOTE: from end to end the track under {', '.join(names)} rises by {rise}. The runway "
+            "is level before and after it, and loads at these kinks count; detrend = true removes "
+            "the grade"
         )

@@ -1,4 +1,4 @@
-"""What the commands that run a case have in common: where results go, and their modes."""
+"""What the commands that run a case share: where results go, and the table of modes."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ if TYPE_CHECKING:
 #: Stands for standard output.
 STANDARD = "-"
 
-#: Kinds of files that may go there.
+#: Kinds of files that can be written there.
 _STREAMS = ("csv", "json")
 
 
-def told(case: Case, wanted: Mapping[str, str]) -> TextIO:
-    """Check the files wanted, by kind; the stream for what is said: a table goes out alone."""
+def summary_stream(case: Case, wanted: Mapping[str, str]) -> TextIO:
+    """Check the paths wanted, by kind; choose the stream that no table is written to."""
     for kind, to in wanted.items():
         if to == STANDARD and kind not in _STREAMS:
             there = " or ".join(kind for kind in _STREAMS if kind in wanted)
-            raise InputError(f"--{kind} -: standard output takes {there}")
-    taken = {source.resolve(): "this is a track of the case" for source in case.sources}
-    taken[case.sources[0].resolve()] = "this is the case file"
+            raise InputError(f"--{kind} -: only {there} can go to standard output")
+    taken = {source.resolve(): "that is a track of the case" for source in case.sources}
+    taken[case.sources[0].resolve()] = "that is the case file"
     for kind, to in wanted.items():
         if to and to != STANDARD:
             path = Path(to).resolve()
             if path in taken:
                 raise InputError(f"{kind} {to}: {taken[path]}")
-            taken[path] = f"this is where {kind} goes"
+            taken[path] = f"already taken by {kind}"
     if list(wanted.values()).count(STANDARD) > 1:
-        raise InputError("--csv - and --json -: standard output takes one of them")
+        raise InputError("--csv - and --json -: only one of them can go to standard output")
     return sys.stderr if STANDARD in wanted.values() else sys.stdout
 
 
 def say(text: str, stream: TextIO) -> None:
-    """Print; if nobody reads on, the rest goes nowhere, and files are written all the same."""
+    """Print; if the reader has gone, drop the rest, so that files are still written."""
     try:
         print(text, file=stream, flush=True)
     except BrokenPipeError:
@@ -54,26 +54,26 @@ def say(text: str, stream: TextIO) -> None:
 
 
 def modes_table(case: Case) -> Iterator[str]:
-    """Say what the modes are."""
+    """Tabulate the modes."""
     modes = case.modes
     node = f"node [{case.units.length}]"
     yield f"  mode   frequency [Hz]   omega [rad/s]   damping ratio {node:>12}"
     rows = zip(modes.frequency_hz, modes.omega, modes.damping_ratio, modes.node, strict=True)
     for i, (hertz, omega, ratio, node) in enumerate(rows, 1):
-        # Roll leaves the whole centreline at rest, and pure bounce nothing.
+        # Roll leaves the whole centreline at rest, and pure bounce no point of it.
         where = f"{node:.2f}" if math.isfinite(node) else "-"
         yield f"  {i:>4} {hertz:16.4f} {omega:15.4f} {ratio:15.4f} {where:>12}"
 
 
 def stated_speed(case: Case, name: str) -> str:
-    """Say a speed as the file has it and in the case's units."""
+    """Give a speed as written in the file, and in the case's units."""
     exact = f"{case.speeds[name]:.6g} {case.units.length}/s"
     return name if name == exact else f"{name} = {exact}"
 
 
 @contextmanager
 def opened(to: str) -> Iterator[TextIO]:
-    """Open a file for text in UTF-8, the same on every system; or standard output."""
+    """Open a file, or standard output, for UTF-8 text with the same bytes on every system."""
     if to != STANDARD:
         with Path(to).open("w", encoding="utf-8", newline="") as file:
             yield file
@@ -84,7 +84,7 @@ def opened(to: str) -> Iterator[TextIO]:
 
 
 def save_figure(figure: Figure, to: str) -> None:
-    """Write a figure; its kind is the ending of the name."""
+    """Write a figure; the suffix of the file name selects the format."""
     try:
         figure.savefig(to, dpi=110)
     except ValueError as error:

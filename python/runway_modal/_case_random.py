@@ -33,13 +33,13 @@ class RandomRunways:
     seed: int
     first_run: int
     tracks: Literal["one", "isotropic"]
-    #: Levels to be exceeded: by quantity, then by the text that names them.
+    #: Levels whose exceedance is wanted: by quantity, then by the text that states them.
     levels: Mapping[str, Mapping[str, float]]
-    #: Where faults are to be sought.
+    #: The table that error messages point to.
     place: Table
 
     def options(self, speed: float, *, damping_input: bool) -> Options:
-        """Give the arguments of `monte_carlo`."""
+        """Give the keyword arguments of `monte_carlo`."""
         return {
             "length": self.length,
             "spacing": self.spacing,
@@ -52,7 +52,7 @@ class RandomRunways:
         }
 
     def profiles(self, modes: Modes, run: int) -> dict[str, Profile]:
-        """Make one of the runways."""
+        """Make the profiles of one runway."""
         with self.place.located():
             return self.roughness.profiles(
                 modes,
@@ -65,7 +65,7 @@ class RandomRunways:
 
 
 def read_random_runways(root: Table, units: Units) -> RandomRunways:
-    """Read what a Monte Carlo is made of."""
+    """Read [roughness] and [monte_carlo]."""
     spectrum, roughness = _roughness(root.table("roughness"), units)
     table = root.table("monte_carlo")
     table.only("length", "spacing", "runs", "seed", "first_run", "tracks", "levels")
@@ -84,7 +84,7 @@ def read_random_runways(root: Table, units: Units) -> RandomRunways:
 
 
 def _roughness(table: Table, units: Units) -> tuple[str, Roughness]:
-    """Spectrum in words, and as what has it."""
+    """Spectrum in words, and as a `Roughness`."""
 
     def frequencies(key: str) -> list[float]:
         values = table.get(key)
@@ -104,7 +104,7 @@ def _roughness(table: Table, units: Units) -> tuple[str, Roughness]:
             n, psd = frequencies("n"), table.quantities("psd", PSD, units)
             return f"spectrum through {len(n)} points", Roughness.from_table(n, psd)
         if "coefficient" not in table.values:
-            raise InputError("iso8608, coefficient or n is needed")
+            raise InputError("one of iso8608, coefficient and n is needed")
         table.only("coefficient", "waviness", "reference", "band")
         waviness = table.get("waviness", 2.0)
         return f"power law of waviness {waviness}", Roughness(

@@ -36,14 +36,14 @@ _SHAPES: dict[str, Callable[..., Profile]] = {
 #: Shapes whose fixed dimensions are in the report's units.
 _OF_REPORT = ("full_mat", "half_mat", "two_foot_spall", "double_spall")
 
-#: What is inferred of a shape whatever its parameters, where the report's figures are lost.
+#: What is inferred about a shape whatever its parameters; the report's figures are lost.
 _INFERRED = {
     "crater_repair": "the arrangement of its slopes",
     "full_mat": "ramps of 12 in",
     "half_mat": "sharp edges",
 }
 
-#: And which of its defaults.
+#: Defaults of a shape that are inferred.
 _INFERRED_DEFAULTS = {
     "mat": ("ramp",),
     "crater_repair": ("ramp",),
@@ -56,7 +56,7 @@ _INFERRED_DEFAULTS = {
 def read_tracks(
     root: Table, gears: tuple[str, ...], units: Units, notes: list[str]
 ) -> dict[str, Profile]:
-    """Make the profile under each gear; `notes` is told what is inferred."""
+    """Make the profile under each gear; add to `notes` what is inferred."""
     tracks: dict[str, Profile] = {}
     for table in root.tables("track"):
         under = table.values.get("gears", list(gears))
@@ -64,17 +64,17 @@ def read_tracks(
             raise table.fault(f"gears = {under!r} is not a list of gear names", "gears")
         for i, name in enumerate(under):
             if name in under[:i]:
-                raise table.fault(f"gears: {name!r} is there twice", "gears")
+                raise table.fault(f"gears: {name!r} is listed twice", "gears")
             if name not in gears:
-                raise table.fault(f"gears: {name!r} is no gear{hint(name, gears)}", "gears")
+                raise table.fault(f"gears: {name!r} is not a gear{hint(name, gears)}", "gears")
         profile = _file(table, units) if "file" in table.values else _shape(table, units, notes)
         with table.located():
             if "gap" in table.values:
                 if "start" in table.values:
-                    raise InputError("gap: give it or start, not both")
+                    raise table.fault("give either gap or start, not both", "gap")
                 before = [float(tracks[name].x[-1]) for name in under if name in tracks]
                 if not before:
-                    raise InputError("gap: there is no track before it under its gears")
+                    raise InputError("gap: no earlier track lies under these gears")
                 gap = table.quantity("gap", LENGTH, units)
                 if gap < 0.0:
                     raise InputError(f"gap = {gap!r} is negative")
@@ -89,7 +89,7 @@ def read_tracks(
     for name in footprint.values:
         length = footprint.quantity(name, LENGTH, units)
         with footprint.located(name):
-            # Of a gear on the level the mean is the level.
+            # Under a gear on level runway the mean is level, too.
             tracks[name] = tracks.get(name, Profile([0], [0])).footprint(length)
     return tracks
 
@@ -107,7 +107,7 @@ def _file(table: Table, units: Units) -> Profile:
     others = ("file", "detrend", *_PLACE)
     options = {key: table.get(key) for key in table.values if key not in others}
     if isinstance(options.get("elevation"), dict):
-        raise table.fault("elevation is not a heading or a number", "elevation")
+        raise table.fault("elevation is neither a heading nor a number", "elevation")
     if isinstance(options.get("unit"), list):
         options["unit"] = tuple(options["unit"])
     with table.located():
@@ -129,7 +129,7 @@ def _shape(table: Table, units: Units, notes: list[str]) -> Profile:
     shape = _SHAPES[name]
     parameters = {k: p for k, p in inspect.signature(shape).parameters.items() if k != "start"}
     table.only("shape", *parameters, *_PLACE)
-    # The report's own are in inches; the others go by any unit, but for their defaults.
+    # The report's shapes are in inches; the others work in any unit, except for their defaults.
     native = REPORT if name in _OF_REPORT else units
     given: dict[str, Any] = {}
     for key, parameter in parameters.items():

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def progress_bar(total: int, *, quiet: bool) -> Iterator[Callable[[int], None]]:
-    """Show how much of a total is done, where somebody looks on; call with what is done so far."""
+    """Show progress on a terminal; call the result with the number of runs done so far."""
     if quiet or not sys.stderr.isatty():
         yield lambda _: None
         return

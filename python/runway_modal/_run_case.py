@@ -1,4 +1,4 @@
-"""``runway-modal run``: simulates a case, prints what matters of it, writes what is asked for."""
+"""``runway-modal run``: simulates a case, prints a summary, writes the files asked for."""
 
 from __future__ import annotations
 
@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import tables, tables_response
 from ._case_notes import notes
-from ._case_output import STANDARD, modes_table, opened, save_figure, say, stated_speed, told
+from ._case_output import (
+    STANDARD,
+    modes_table,
+    opened,
+    save_figure,
+    say,
+    stated_speed,
+    summary_stream,
+)
 from ._input import integer
 from .case import Case, read_case
 
@@ -24,19 +32,19 @@ if TYPE_CHECKING:
 
 def run(path: Path, asked: Mapping[str, str | None], runway: int | None = None) -> None:
     """
-    Run a case file; `asked` names files by kind and goes before the case's own.
+    Run a case file; `asked` names files by kind and overrides those of the case.
 
-    `runway` is the number of a random runway to be run over in place of the tracks; then nothing
-    is written but what is asked for.
+    `runway` is the number of a random runway that replaces the tracks; the files of the case are
+    then ignored.
     """
     case = read_case(path)
     if runway is not None:
         case = case.over_random_runway(integer("--runway", runway, 0))
     wanted = {kind: str(asked[kind] or case.output.get(kind) or "") for kind in KINDS}
-    stream = told(case, wanted)
+    stream = summary_stream(case, wanted)
     runs = case.run()
     say("\n".join(_summary(case, runs)), stream)
-    # Files first: whoever reads standard output may stop.
+    # Files first: the reader of standard output may stop early.
     for kind, to in sorted(wanted.items(), key=lambda item: item[1] == STANDARD):
         if to:
             _WRITERS[kind](case, runs, to)
@@ -81,7 +89,7 @@ def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) ->
         yield f"  {station:<{width}} {value / units.standard_gravity:35.4f} {at:10.4f}"
     if unloaded.any() and case.reference is None:
         lost = ", ".join(n for n, u in zip(gears, unloaded, strict=True) if u)
-        yield f"  WARNING: {lost} unloads: past that the linear model no longer holds."
+        yield f"  WARNING: load reaches zero on {lost}; the linear model does not hold beyond that"
 
 
 def _write_csv(case: Case, runs: Runs, to: str) -> None:
@@ -140,7 +148,7 @@ def _write_figure(case: Case, runs: Runs, to: str) -> None:
     gears = case.modes.aircraft.gear_names
     figure = loads_over_profile(
         runs,
-        # One degree of freedom has one gear, of that name.
+        # The model of one degree of freedom has one gear, named "gear".
         {name: name if name == "gear" else f"{name} gear" for name in gears},
         case.title,
         units=case.units,

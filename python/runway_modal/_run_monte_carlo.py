@@ -1,4 +1,4 @@
-"""``runway-modal mc``: rolls over random runways, prints what they come to, writes every run."""
+"""``runway-modal mc``: rolls over random runways, prints statistics, writes every run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,15 @@ import numpy as np
 from . import stored, tables, tables_ensemble
 from ._axes import require
 from ._case_notes import on_dampers
-from ._case_output import STANDARD, modes_table, opened, save_figure, say, stated_speed, told
+from ._case_output import (
+    STANDARD,
+    modes_table,
+    opened,
+    save_figure,
+    say,
+    stated_speed,
+    summary_stream,
+)
 from ._core import InputError
 from ._input import integer
 from ._progress import progress_bar
@@ -29,10 +37,10 @@ if TYPE_CHECKING:
     from .case import Case
     from .ensemble import Ensemble
 
-#: Shares of the runs below the quantiles that are printed.
+#: Probabilities of the quantiles that are printed.
 _SHARES = np.array([0.5, 0.95, 0.99, 0.999])
 
-#: Worst runs that are named.
+#: Number of worst runs that are listed.
 _WORST = 5
 
 
@@ -51,15 +59,15 @@ def run(
         random = replace(random, runs=integer("--runs", runs, 1))
     if case.reference is not None:
         table = case.root.table("aircraft")
-        raise table.fault("nonlinear: a Monte Carlo takes the linear model", "nonlinear")
+        raise table.fault("nonlinear: a Monte Carlo needs the linear model", "nonlinear")
     wanted = {kind: to or "" for kind, to in asked.items()}
-    stream = told(case, wanted)
+    stream = summary_stream(case, wanted)
     _check(wanted)
     ensembles = _compute(case, random, out, quiet=quiet)
     say("\n".join(_summary(path, case, random, ensembles)), stream)
     if out is not None:
         say(f"runs kept in: {out}", stream)
-    # Files first: whoever reads standard output may stop.
+    # Files first: the reader of standard output may stop early.
     for kind, to in sorted(wanted.items(), key=lambda item: item[1] == STANDARD):
         if to:
             _WRITERS[kind](case, ensembles, to)
@@ -68,10 +76,10 @@ def run(
 
 
 def _check(wanted: Mapping[str, str]) -> None:
-    """Say before the computing, not after it, what cannot be written."""
+    """Refuse files that cannot be written, before the computation and not after it."""
     for kind, to in wanted.items():
         if to != STANDARD and not Path(to).parent.is_dir():
-            raise InputError(f"{kind} {to}: there is no such directory")
+            raise InputError(f"{kind} {to}: no such directory")
     if wanted["parquet"]:
         stored.require()
     if wanted["figure"]:
@@ -80,13 +88,13 @@ def _check(wanted: Mapping[str, str]) -> None:
 
         kinds = Figure().canvas.get_supported_filetypes()
         if Path(wanted["figure"]).suffix.removeprefix(".").lower() not in kinds:
-            raise InputError(f"figure {wanted['figure']}: the ending is none of {', '.join(kinds)}")
+            raise InputError(f"figure {wanted['figure']}: the suffix is none of {', '.join(kinds)}")
 
 
 def _compute(
     case: Case, random: RandomRunways, out: Path | None, *, quiet: bool
 ) -> dict[str, Ensemble]:
-    """Roll at every speed; whoever interrupts is told what is kept."""
+    """Roll at every speed; if interrupted, say what is kept."""
     total, done = random.runs * len(case.speeds), 0
     found: dict[str, Ensemble] = {}
     try:
@@ -112,9 +120,9 @@ def _compute(
                     found[name] = stored.read(folder, runs=random.runs)
     except KeyboardInterrupt:
         kept = (
-            "nothing is kept; --out DIR keeps finished runs"
+            "no runs are kept; --out DIR keeps finished ones"
             if out is None
-            else f"{done} of {total} runs are kept in {out}; the same command goes on from there"
+            else f"{done} of {total} runs are kept in {out}; the same command resumes from there"
         )
         print(f"runway-modal: interrupted: {kept}", file=sys.stderr)
         raise
@@ -122,7 +130,7 @@ def _compute(
 
 
 def _folder(speed: str) -> str:
-    """Name of a directory for the runs at a speed, on any system."""
+    """Name of the directory for the runs at a speed, valid on any system."""
     return re.sub(r"[^\w.+ -]", "_", speed)
 
 
@@ -149,7 +157,7 @@ def _summary(
     )
     over = [f"[{key}]" for key in ("[track]", "footprint") if key.strip("[]") in case.root.values]
     if over:
-        yield f"Left out, being of `runway-modal run`: {', '.join(over)}"
+        yield f"Ignored (used only by `runway-modal run`): {', '.join(over)}"
     yield ""
     yield from modes_table(case)
     for name, ensemble in ensembles.items():
@@ -191,7 +199,7 @@ def _of_speed(case: Case, name: str, ensemble: Ensemble, random: RandomRunways) 
 def _quantity(
     ensemble: Ensemble, quantity: str, scale: float, unit: str, width: int, digits: int
 ) -> Iterator[str]:
-    """Mean, quantiles and extreme of a quantity, a gear or station a line, and their intervals."""
+    """Tabulate mean, quantiles and extreme of a quantity by gear or station, with intervals."""
     downward = quantity in DOWNWARD
     shares = 1.0 - _SHARES if downward else _SHARES
     mean, quantiles = ensemble.mean(quantity), ensemble.quantile(quantity, shares)
@@ -221,11 +229,11 @@ def _quantity(
     few = shares[~bounded]
     if few.size:
         missing = ", ".join(f"{100 * share:g} %" for share in few)
-        yield f"  {missing}: too few runs to bound"
+        yield f"  {missing}: too few runs for an interval"
 
 
 def _shares(ensemble: Ensemble, random: RandomRunways) -> Iterator[str]:
-    """How many runs unload a gear or exceed a level."""
+    """Tabulate the share of runs that unload a gear or exceed a level."""
     asked = {"min_load": {"0 (unloads)": 0.0}}
     for quantity, levels in random.levels.items():
         asked[quantity] = asked.get(quantity, {}) | dict(levels)
@@ -247,7 +255,7 @@ def _shares(ensemble: Ensemble, random: RandomRunways) -> Iterator[str]:
         lost = ", ".join(
             name for i, name in enumerate(ensemble.gear_names) if ensemble.unloaded[:, i].any()
         )
-        yield f"  WARNING: {lost} unloads: past that the linear model no longer holds."
+        yield f"  WARNING: load reaches zero on {lost}; the linear model does not hold beyond that"
 
 
 def _write_csv(case: Case, ensembles: Mapping[str, Ensemble], to: str) -> None:

@@ -1,4 +1,4 @@
-"""Results as text: what a prompt shows of them."""
+"""Results as text, as the interactive prompt shows them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def table(rows: Sequence[Sequence[str | float]]) -> str:
-    """Align rows: the first column at the left, the others, numbers to six digits, at the right."""
+    """Align rows: the first column left, the others right, numbers to six digits."""
     texts = [[cell if isinstance(cell, str) else f"{cell:.6g}" for cell in row] for row in rows]
     first = max(len(row[0]) for row in texts)
     width = 2 + max(len(cell) for row in texts for cell in row[1:])

@@ -1,4 +1,4 @@
-"""TOML whose faults are named with their file, line and key."""
+"""TOML tables whose error messages name file, line and key."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 def read_toml(path: Path) -> Table:
     """Read a file; `InputError` if it is not TOML."""
     data = path.read_bytes()
-    # PowerShell writes what is sent to a file in UTF-16.
+    # PowerShell redirects output to files in UTF-16.
     wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         text = data.decode("utf-16" if wide else "utf-8-sig").replace("\r\n", "\n")
         return Table(path, text, (), tomllib.loads(text))
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise InputError(f"{path}:{line}: this is no text in UTF-8") from None
+        raise InputError(f"{path}:{line}: not UTF-8 text") from None
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: {error}") from None
 
@@ -40,7 +40,7 @@ _REQUIRED: Any = object()
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """One table of a case file; hands out checked values and knows where they stand."""
+    """One table of a case file; hands out checked values and knows their place in the file."""
 
     path: Path
     source: str
@@ -61,15 +61,14 @@ class Table:
 
     @contextmanager
     def located(self, key: str | None = None) -> Iterator[None]:
-        """Say where the input stands that the library refuses, and how it is written there."""
+        """Add file, line and key to the library's errors, and the value as written in the file."""
         try:
             yield
         except _Located:
             raise
         except InputError as error:
             said = str(error)
-            # The library's messages begin with the name of the argument: the key's, if none is
-            # given.
+            # The library's messages begin with the argument's name: the key, if none is given.
             named = re.match(r"\w+", said)
             if named and key:
                 said = key + said[named.end() :]
@@ -77,7 +76,7 @@ class Table:
             raise self.fault(said + self._as_written(key, said), key) from None
 
     def _as_written(self, key: str, said: str) -> str:
-        """Show a value as the file has it, if the message has it in other units."""
+        """Quote a value as written in the file, if the message gives it in other units."""
         value, shown = self.values.get(key), re.match(r"\w+ = (\S+)", said)
         if not shown or not isinstance(value, str | int | float) or f"= {value!r}" in said:
             return ""
@@ -85,7 +84,7 @@ class Table:
         return "" if same else f"; the file says {key} = {value!r}"
 
     def only(self, *allowed: str) -> None:
-        """Refuse keys that nobody reads."""
+        """Refuse unknown keys."""
         for key in self.values:
             if key not in allowed:
                 raise self.fault(f"unknown key {key!r}{hint(key, allowed)}", key)
@@ -98,8 +97,10 @@ class Table:
 
     def text(self, key: str, default: Any = _REQUIRED) -> str:
         value = self.get(key, default)
-        if not isinstance(value, str) or not value or "\0" in value:
-            raise self.fault(f"{key} = {value!r} is not a text", key)
+        if not isinstance(value, str):
+            raise self.fault(f"{key} = {value!r} is not a string", key)
+        if not value or "\0" in value:
+            raise self.fault(f"{key} = {value!r} is empty or contains a null character", key)
         return value
 
     def choice(self, key: str, allowed: tuple[str, ...], default: Any = _REQUIRED) -> str:
@@ -156,15 +157,15 @@ class Table:
 
 
 class _Located(InputError):
-    """Says where already."""
+    """Names its place already."""
 
 
-#: What a statement of several lines may end with.
+#: Possible ends of a statement that spans several lines.
 _ENDS = ("]", "}", '"', "'")
 
 
 def _line(source: str, keys: tuple[str | int, ...]) -> int | None:
-    """Line of the statement that brings a key: tomllib itself reads one after the other."""
+    """Line of the statement that defines a key: tomllib itself reads statement by statement."""
     lines = source.split("\n")
     table: tuple[str | int, ...] = ()
     lengths: dict[tuple[str | int, ...], int] = {}
@@ -187,7 +188,7 @@ def _line(source: str, keys: tuple[str | int, ...]) -> int | None:
 
 
 def _header(found: Any, lengths: dict[tuple[str | int, ...], int]) -> tuple[str | int, ...]:
-    """Keys of the table that a header begins; counts the tables of each list."""
+    """Keys of the table that a header opens; counts the tables of each array of tables."""
     table: tuple[str | int, ...] = ()
     while found:
         ((name, found),) = found.items()

@@ -26,22 +26,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """What a case file says, in its unit system."""
+    """Contents of a case file, in its unit system."""
 
     title: str
     units: Units
-    #: Those of the linear model; of a nonlinear aircraft those it has near rest.
+    #: Modes of the linear model; of a nonlinear aircraft, those it has near rest.
     modes: Modes
-    #: What runs instead of the linear model, if the case asks for it.
+    #: The nonlinear aircraft that runs instead of the linear model, if the case asks for it.
     reference: nonlinear.Aircraft | None
     #: None if the file has no [[track]].
     tracks: Mapping[str, Profile] | None
     #: None if the file has neither [roughness] nor [monte_carlo].
     random: RandomRunways | None
-    #: Speeds [length/s] by the text that names them.
+    #: Speeds [length/s] by the text that states them.
     speeds: Mapping[str, float]
     duration: float | None
-    #: How far the foremost gear rolls, where that says how long a run lasts.
+    #: How far the foremost gear rolls, where that instead of `duration` ends a run.
     distance: float | None = None
     damping_input: bool
     #: Files to write, by kind.
@@ -49,7 +49,7 @@ class Case:
     #: Inferred data that the aircraft and the tracks rest on.
     aircraft_notes: tuple[str, ...]
     track_notes: tuple[str, ...]
-    #: Where faults are to be sought.
+    #: The table that error messages point to.
     root: Table
 
     @property
@@ -59,7 +59,7 @@ class Case:
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """Files that it was read from, its own first."""
+        """Files that the case was read from, the case file first."""
         tracks = self.root.tables("track") if "track" in self.root.values else []
         files = [
             table.path.parent / table.text("file") for table in tracks if "file" in table.values
@@ -67,7 +67,7 @@ class Case:
         return (self.root.path, *files)
 
     def random_runways(self) -> RandomRunways:
-        """Random runways; a fault if the file has none."""
+        """Random runways; an error if the file has none."""
         if self.random is None:
             raise self.root.fault("monte_carlo is missing")
         return self.random
@@ -81,12 +81,12 @@ class Case:
             title=f"{self.title}: random runway {run}",
             tracks=tracks,
             track_notes=(),
-            output={},  # is what the tracks' results are kept in
+            output={},  # [output] is for results over the tracks
             distance=max(float(track.x[-1]) for track in tracks.values()) + max(x) - min(x),
         )
 
     def run(self) -> dict[str, Response | nonlinear.Response]:
-        """Simulate every speed."""
+        """Simulate the case at every speed."""
         if self.tracks is None:
             raise self.root.fault("track is missing")
         tracks = self.tracks
@@ -125,7 +125,7 @@ def read_case(path: Path) -> Case:
     with system.located():
         units = Units(system.get("length"), system.get("force"))
     if ("aircraft" in root.values) == ("single_dof" in root.values):
-        raise root.fault("either [aircraft] or [single_dof] is needed", "single_dof")
+        raise root.fault("exactly one of [aircraft] and [single_dof] is needed", "single_dof")
     notes: list[str] = []
     reference = None
     if "single_dof" in root.values:
@@ -143,12 +143,12 @@ def read_case(path: Path) -> Case:
     run = root.table("run")
     run.only("speeds", "duration", "damping_input")
     if reference is not None and "damping_input" in run.values:
-        raise run.fault("damping_input: a nonlinear run always has it", "damping_input")
+        raise run.fault("damping_input: a nonlinear run always includes it", "damping_input")
     output = root.table("output", {})
     output.only("csv", "json", "parquet", "figure")
     for kind in output.values:
         if output.text(kind) == "-":
-            raise output.fault(f"{kind} = '-': standard output is for the command line", kind)
+            raise output.fault(f"{kind} = '-': standard output is only for the command line", kind)
     return Case(
         title=root.text("title", path.stem),
         units=units,
@@ -176,7 +176,7 @@ def _speeds(run: Table, units: Units) -> dict[str, float]:
                 raise InputError(f"speeds[{i}] = {value!r} is not positive")
         name = value if isinstance(value, str) else f"{value} {units.name(SPEED)}"
         if name in speeds:
-            raise run.fault(f"speeds[{i}] = {value!r} is there before", "speeds")
+            raise run.fault(f"speeds[{i}] = {value!r} is given twice", "speeds")
         speeds[name] = speed
     if not speeds:
         raise run.fault("speeds is empty", "speeds")

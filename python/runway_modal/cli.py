@@ -1,4 +1,4 @@
-"""The command ``runway-modal``: what it takes, its exit codes, its commands."""
+"""The command ``runway-modal``: its arguments, its exit codes, its subcommands."""
 
 from __future__ import annotations
 
@@ -17,41 +17,41 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 _BEGIN = """\
-to begin:
-  runway-modal example > case.toml      a case with every key explained
+getting started:
+  runway-modal example > case.toml      a case file with every key explained
   runway-modal run case.toml --figure loads.png
   runway-modal mc case.toml --figure exceedance.png
 
-exit codes: 0 done, 1 numerical failure, missing extra or no memory,
+exit codes: 0 success, 1 numerical failure, missing extra or out of memory,
 2 bad input or a file that cannot be read or written, 130 interrupted
 """
 
 _RUN = """\
 Print modes, static loads and, for each speed, the true extremes of gear loads
-and accelerations; write what is asked for, here or under [output] in the case.
-With - the summary goes to standard error.
+and accelerations; write the files named here or under [output] in the case.
+With --csv - or --json - the summary goes to standard error.
 """
 
 _MC = """\
 Roll over the random runways of [roughness] and [monte_carlo] in the case, at each speed of [run].
 Print means, quantiles and probabilities of exceedance with their confidence intervals, and the
-worst runs by number, each of which `runway-modal run CASE.toml --runway NUMBER` shows in full.
-A progress bar is drawn on a terminal (extra cli). With --csv - the summary goes to standard error.
+worst runs by number; `runway-modal run CASE.toml --runway NUMBER` shows any run in full.
+A terminal shows a progress bar (extra cli). With --csv - the summary goes to standard error.
 """
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line; the exit code."""
+    """Run the command line; return the exit code."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            # A terminal that lacks a letter of a name shows its code.
+            # A character that the terminal cannot show is printed as its code.
             stream.reconfigure(errors="backslashreplace")
     parsed = _parser().parse_args(arguments)
     try:
         parsed.command(parsed)
         sys.stdout.flush()
     except BrokenPipeError:
-        # Whoever read has enough: what is left goes nowhere.
+        # The reader has gone: drop the rest of the output.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt:
@@ -94,7 +94,9 @@ def _parser() -> argparse.ArgumentParser:
         return command
 
     run = add("run", _run, "simulate a case file", _RUN)
-    run.add_argument("case", type=Path, metavar="CASE.toml", help="see runway-modal example")
+    run.add_argument(
+        "case", type=Path, metavar="CASE.toml", help="case file; see runway-modal example"
+    )
     run.add_argument("--csv", metavar="PATH", help="time histories; - for standard output")
     run.add_argument("--json", metavar="PATH", help="results and time histories; - as for --csv")
     run.add_argument("--parquet", metavar="PATH", help="time histories (extra tables)")
@@ -105,20 +107,25 @@ def _parser() -> argparse.ArgumentParser:
         "--runway",
         type=int,
         metavar="NUMBER",
-        help="over this random runway of runway-modal mc, in place of the tracks; [output] is left",
+        help="simulate random runway NUMBER of 'runway-modal mc' instead of the tracks; "
+        "[output] is ignored",
     )
-    mc = add("mc", _mc, "roll over random runways: a Monte Carlo of a case file", _MC)
-    mc.add_argument("case", type=Path, metavar="CASE.toml", help="see runway-modal example")
-    mc.add_argument("--runs", type=int, metavar="N", help="how many, whatever the case says")
+    mc = add("mc", _mc, "roll over random runways: the Monte Carlo of a case file", _MC)
+    mc.add_argument(
+        "case", type=Path, metavar="CASE.toml", help="case file; see runway-modal example"
+    )
+    mc.add_argument(
+        "--runs", type=int, metavar="N", help="number of runs (overrides the case file)"
+    )
     mc.add_argument(
         "--out",
         type=Path,
         metavar="DIR",
-        help="keep finished runs, a directory a speed; the same command goes on from them "
+        help="keep finished runs, one directory per speed; the same command resumes from them "
         "(extra tables)",
     )
-    mc.add_argument("--csv", metavar="PATH", help="a row a run; - for standard output")
-    mc.add_argument("--parquet", metavar="PATH", help="a row a run (extra tables)")
+    mc.add_argument("--csv", metavar="PATH", help="one row per run; - for standard output")
+    mc.add_argument("--parquet", metavar="PATH", help="one row per run (extra tables)")
     mc.add_argument(
         "--figure",
         metavar="PATH",
@@ -126,9 +133,15 @@ def _parser() -> argparse.ArgumentParser:
     )
     mc.add_argument("--quiet", action="store_true", help="no progress bar")
     add("example", _example, "print a case file with every key explained")
-    report = add("report", _report, "write the 1980 report, recomputed, as a page")
+    report = add(
+        "report", _report, "recompute the 1980 report and write it as a page (extras plot, taxi)"
+    )
     report.add_argument(
-        "--out", type=Path, required=True, metavar="DIR", help="where; made if it is not there"
+        "--out",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="directory for the page, created if missing",
     )
     return parser
 

@@ -61,7 +61,10 @@ def one_gear(**changes: object) -> nonlinear.Aircraft:
 LOW = rm.Profile.mat(930.0, height=0.6)
 TRACKS = {
     "one profile": LOW,
-    "a profile a gear": {"nose": LOW, "left": LOW.shifted(7.0) + rm.Profile.mat(50.0, 0.1, 0.0)},
+    "one profile per gear": {
+        "nose": LOW,
+        "left": LOW.shifted(7.0) + rm.Profile.mat(50.0, 0.1, 0.0),
+    },
     "from a height": rm.Profile([-500.0, 0.0, 90.0], [2.0, 2.0, 2.5]),
 }
 

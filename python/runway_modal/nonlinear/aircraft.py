@@ -30,8 +30,8 @@ class Gear:
     """
     One landing gear: strut and tire in series.
 
-    Without unsprung mass the strut's load is the tire's. With it the wheel moves by itself, and
-    the strut may have an orifice and friction.
+    Without unsprung mass, strut and tire carry the same load. With it, the wheel moves by itself,
+    and the strut may have an orifice and friction.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class Gear:
     friction : float
         Coulomb friction of the strut, ≥ 0 [force].
     unsprung_mass : float
-        Mass of the wheel, not part of the aircraft's, ≥ 0 [force·time²/length].
+        Mass of the wheel, not included in the aircraft's, ≥ 0 [force·time²/length].
 
     Raises
     ------
@@ -87,12 +87,12 @@ class Gear:
         if not isinstance(self.orifice, Orifice | None):
             raise InputError(f"orifice = {self.orifice!r} is not an Orifice")
         if not self.unsprung_mass and (self.orifice or self.friction):
-            # Nor would the strut's rate be smooth: it follows the root of the load difference.
+            # Its rate would not be smooth, either: it follows the root of the load difference.
             raise InputError(
                 f"unsprung_mass = {self.unsprung_mass!r}: orifice and friction act on the strut's "
                 "own rate, which only a wheel with mass has"
             )
-        # It knows the rules for a name and for arms.
+        # The linear gear checks the name and the arms.
         checked = linear.Gear(self.name, self.x, self.y, self.tire, self.damping)
         object.__setattr__(self, "x", checked.x)
         object.__setattr__(self, "y", checked.y)
@@ -102,7 +102,7 @@ class Gear:
         return self.strut[0].load if isinstance(self.strut, tuple) else 0.0
 
     def _law(self, load: float, *, strut: bool = True, tire: bool = True) -> Series:
-        """Law of strut and tire in series, or of one of them, about a static load."""
+        """Law of strut and tire in series, or of one of them alone, about a static load."""
         chambers: Sequence[GasSpring] = ()
         compliance = 1.0 / self.tire if tire else 0.0
         if strut and isinstance(self.strut, LinearSpring):
@@ -135,7 +135,7 @@ class Aircraft:
     Parameters
     ----------
     mass : float
-        Mass M of the body, without what is unsprung, > 0 [force·time²/length].
+        Mass M of the body, without unsprung masses, > 0 [force·time²/length].
     pitch_inertia : float
         Inertia about the lateral axis, > 0 [mass·length²].
     roll_inertia : float
@@ -151,9 +151,9 @@ class Aircraft:
     ------
     InputError
         If a value is out of range, there is no gear, a gear name repeats, the gears cannot
-        carry the weight or one would have to pull.
+        carry the weight, or a gear would have to pull on the runway.
     NumericalError
-        If the loads of more gears than equilibrium determines are not found.
+        If equilibrium alone does not determine the static loads and they are not found.
 
     Examples
     --------
@@ -181,7 +181,7 @@ class Aircraft:
             if not isinstance(gear, Gear):
                 raise InputError(f"gears[{i}] = {gear!r} is not a nonlinear Gear")
         object.__setattr__(self, "gears", gears)
-        # It checks the values, and knows the loads where equilibrium alone determines them.
+        # This checks the values, and finds the loads where equilibrium alone determines them.
         checked = self._linear_with([gear.tire for gear in gears])
         for key in ("mass", "pitch_inertia", "roll_inertia", "gravity", "stations"):
             object.__setattr__(self, key, getattr(checked, key))
@@ -191,7 +191,7 @@ class Aircraft:
             if not load > _NO_LOAD * self.mass * self.gravity:
                 raise InputError(
                     f"gears[{i}]: {gears[i].name!r} carries {load!r} at rest, "
-                    "and a gear does not pull"
+                    "but a gear cannot pull"
                 )
         slopes = [
             gear._law(load).stiffness_at(load)
@@ -243,16 +243,16 @@ class Aircraft:
         """
         Load of each gear on a level runway at rest, unsprung mass included, shape (g,) [force].
 
-        From equilibrium alone where the gears are determinate. With more gears, as the springs
-        share the weight: level when each strut carries its reference load, which is the first
-        chamber's `load` and no load if the strut is linear.
+        From equilibrium alone where that determines the loads. With more gears, as the springs
+        share the weight, if the wheels are level when each strut carries its reference load: the
+        first chamber's `load`, or none if the strut is linear.
         """
         wheels = [gear.unsprung_mass * self.gravity for gear in self.gears]
         return read_only(self._sprung_load + np.array(wheels))
 
     def linearised(self) -> linear.Aircraft:
         """
-        Linear aircraft with the slopes at static equilibrium, as Table 2 has them.
+        Linear aircraft with the stiffnesses at static equilibrium, like those of Table 2.
 
         Dampers are kept; orifices, friction and unsprung masses are left out. With more gears
         than equilibrium determines its static loads are those of linear springs.
@@ -289,8 +289,8 @@ def f4e(polytropic: float = 1.0, damping_ratio: float = 0.01) -> Aircraft:
     chamber whose slope at static equilibrium is Table 2's. No drawing of these struts is public:
     the gas law, its exponent and the dampers are inferred, chosen so that the full mat gives the
     stiffnesses the report prints for TAXI. That is a calibration, not a prediction. On the mat its
-    main gears bounce at 1.87 Hz, and the trailing edge leaves their loads' range nearly as it is
-    (after ÷ on the mat 1.11) where the report says that of TAXI is reduced.
+    main gears bounce at 1.87 Hz, and the trailing edge leaves the range of their loads nearly
+    unchanged (after ÷ on the mat 1.11), where the report says that TAXI's range is reduced.
 
     Parameters
     ----------

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from .series import Series
     from .springs import Array
 
-#: Rounds of Newton's method, and halvings of each step: the energy is convex, so few are needed.
+#: Most rounds of Newton's method and halvings of a step: the energy is convex, so few are needed.
 _ROUNDS, _HALVINGS = 100, 60
 
-#: Unbalanced share of the weight that counts as none.
+#: Unbalanced share of the weight that counts as zero.
 _BALANCED = 1e-13
 
 
@@ -48,7 +48,7 @@ def equilibrium(
     Raises
     ------
     NumericalError
-        If it is not found.
+        If no equilibrium is found.
     """
     # From the first elevation on: a runway high above its datum costs no digits.
     datum = np.array([elevation[0], 0.0, 0.0])
@@ -57,7 +57,7 @@ def equilibrium(
     sizes = weight * np.maximum(abs(turn).max(axis=1), np.finfo(float).tiny)
 
     def state(q: Array) -> tuple[Array, Array, Array]:
-        """Find loads, stiffnesses and what is out of balance."""
+        """Find loads, stiffnesses and the imbalance."""
         travel = (height - geometry @ q).tolist()
         pieces = [law.piece(s) for law, s in zip(laws, travel, strict=True)]
         loads = [law.load(*at) for law, *at in zip(laws, pieces, travel, strict=True)]

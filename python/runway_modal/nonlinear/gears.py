@@ -1,8 +1,8 @@
 """
 Forces of one gear, in one state.
 
-Every law is smooth as long as the gear's state lasts; the `switches` of a state say when it ends
-and which state follows. So the integration never steps over a bend or a jump.
+Every law is smooth while the gear's state lasts; the `switches` of a state say when it ends and
+which state follows. The integration thus never steps over a bend or a jump.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 class State:
     """Which branch each law of a gear is on."""
 
-    #: Piece of the law of the springs; 0 is off the runway or, for a strut alone, on its stop.
+    #: Piece of the springs' law; 0 is off the runway or, for a strut alone, on its stop.
     piece: int
     #: Whether the tire touches.
     touching: bool = True
     #: 1 where the strut compresses, -1 where it extends, 0 where friction or the stop holds it.
-    #: Without friction it is 1 for both ways.
+    #: Without friction it is 1 in both directions.
     sense: int = 1
 
 
@@ -89,9 +89,9 @@ class MasslessGear:
 
     def impulse(self, before: float, after: float) -> float:
         """
-        Blow of the damper where the elevation steps, from one compression to another.
+        Impulse of the damper where the elevation steps, from one compression to another.
 
-        It is c times what the springs are compressed; a step down gives none, as the gear does
+        It is c times the added compression of the springs; a step down gives none, as the gear does
         not pull.
         """
         return self._damping * max(0.0, after - max(before, self._law.kinks[0]))
@@ -102,7 +102,7 @@ class SprungGear:
     Wheel with mass between a tire and a strut.
 
     The strut carries F = F_gas(s) + cṡ + Cṡ|ṡ| + F_friction sgn ṡ (Milwitzky and Cook, NACA
-    Report 1154) and on top what holds it while friction or the stop keeps it from sliding; the
+    Report 1154) plus the holding force while friction or the stop keeps it from sliding; the
     tire carries kd ≥ 0.
 
     Parameters
@@ -131,7 +131,7 @@ class SprungGear:
         return State(piece, self._tire.piece(travel.deflection) == 1, 0 if held else 1)
 
     def strut_load(self, state: State, travel: Travel) -> Any:
-        """Load on the body, without what holds the strut."""
+        """Load on the body, without the force that holds the strut."""
         gear, rate = self._gear, travel.rate
         load = self._strut.load(state.piece, travel.compression) + gear.damping * rate
         if gear.orifice is not None:

@@ -1,4 +1,4 @@
-"""The runway as the gears meet it: straight pieces in time."""
+"""The runway as the gears meet it: straight pieces over time."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def stretches(profiles: Sequence[Profile], lags: Sequence[float], speed: float) 
     Parameters
     ----------
     profiles : sequence of Profile
-        One a gear.
+        One per gear.
     lags : sequence of float
         Distance of each gear behind the foremost one.
     speed : float
@@ -48,7 +48,7 @@ def stretches(profiles: Sequence[Profile], lags: Sequence[float], speed: float) 
     Returns
     -------
     list of Stretch
-        The first is the level on which the run starts, up to the second's beginning.
+        The first is the level on which the run starts; it lasts until the second begins.
     """
     knots = [(profile.x + lag) / speed for profile, lag in zip(profiles, lags, strict=True)]
     times = np.unique(np.concatenate(knots))
@@ -56,7 +56,7 @@ def stretches(profiles: Sequence[Profile], lags: Sequence[float], speed: float) 
     for i, (profile, knot) in enumerate(zip(profiles, knots, strict=True)):
         x, z = profile.x, profile.z
         rise = np.zeros(x.size + 1)
-        # Slopes from differences of stations: those of rounded times cost digits.
+        # Slopes from differences of stations: differences of rounded times lose digits.
         inner = np.diff(x) > 0.0
         rise[1:-1][inner] = np.diff(z)[inner] / np.diff(x)[inner] * speed
         for side, out in (("left", before), ("right", elevation)):
@@ -68,7 +68,7 @@ def stretches(profiles: Sequence[Profile], lags: Sequence[float], speed: float) 
     found = [Stretch(float(times[0]), np.array([p.z[0] for p in profiles]), level, level)]
     for row, time in enumerate(times.tolist()):
         step = elevation[row] - before[row]
-        # A breakpoint on a straight line is none; what rounding leaves of one is no step.
+        # A breakpoint on a straight line does not count, nor does a step that is mere rounding.
         step[abs(step) <= 1e-14 * (abs(elevation[row]) + abs(before[row]))] = 0.0
         if step.any() or (slope[row] != found[-1].slope).any():
             found.append(Stretch(time, elevation[row], slope[row], step))

@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Forces:
-    """What acts at one time, or at many: then every array has one more axis."""
+    """Forces and accelerations at one time; at many times every array has one more axis."""
 
     #: Load of each gear on the runway, shape (g,).
     load: Array
-    #: What holds each strut that does not slide, 0 elsewhere, shape (g,).
+    #: Force that holds each strut that does not slide, 0 elsewhere, shape (g,).
     holding: Array
     #: Accelerations of bounce, pitch and roll, shape (3,).
     body: Array
@@ -108,14 +108,14 @@ class Motion:
         stretch : Stretch
             The runway.
         time : float or ndarray, shape (n,)
-            When.
+            Time, or times.
         y : ndarray, shape (k,) or (k, n)
             Coordinates and rates.
 
         Returns
         -------
         Forces
-            What acts then.
+            Forces and accelerations then.
         """
         gears = list(zip(self._gears, states, self._travels(stretch, time, y), strict=True))
         load = np.array([gear.load(state, travel) for gear, state, travel in gears])
@@ -136,7 +136,7 @@ class Motion:
         return Forces(load, holding, body, wheels)
 
     def _hold(self, held: list[int], rate: Array) -> Array:
-        """Find the loads, or blows, on held struts that take away the given rates of change."""
+        """Find the loads, or impulses, on held struts that cancel the given rates of change."""
         gears = [self._wheels[row] for row in held]
         mobility = np.diag(1.0 / self._mass[held]) + self.geometry[gears] @ self._spread[:, gears]
         return np.asarray(np.linalg.solve(mobility, rate))
@@ -155,7 +155,7 @@ class Motion:
         self, states: Sequence[State], stretch: Stretch, time: float | Array, y: Array
     ) -> Iterator[tuple[Any, int, State]]:
         """Quantities that are positive while the states last: value, gear, its next state."""
-        # Only a held strut asks for what holds it.
+        # The holding force is needed only if a strut is held.
         holding: Any = states
         if any(state.sense == 0 for state in states):
             holding = self.forces(states, stretch, time, y).holding
@@ -227,13 +227,13 @@ class Motion:
         if follows.piece == 0 < states[gear].piece:
             return self._strike(changed, y)
         if 0 in (states[gear].sense, follows.sense):
-            # Nothing that rounding has left of the strut's rate may decide which way it goes.
+            # What rounding leaves of the strut's rate must not decide its direction.
             y = y.copy()
             y[self._rate_of(gear)] = self.geometry[gear] @ y[3:6]
         return changed, y
 
     def _strike(self, states: list[State], y: Array) -> tuple[list[State], Array]:
-        """After a strut has run onto its stop, where it stays: states, coordinates and rates."""
+        """States, coordinates and rates after a strut has hit its stop, where it stays."""
         held = [row for row, i in enumerate(self._wheels) if states[i].piece == 0]
         gears = [self._wheels[row] for row in held]
         rates = [self._rate_of(gear) for gear in gears]
@@ -243,7 +243,7 @@ class Motion:
         y[rates] -= blow / self._mass[held]
         for i in self._wheels:
             rate = y[self._rate_of(i)] - self.geometry[i] @ y[3:6]
-            # No friction holds against a blow.
+            # No friction holds against an impulse.
             if states[i].sense == 0 < states[i].piece and rate != 0.0:
                 states[i] = replace(states[i], sense=1 if rate > 0.0 else -1)
         return states, y

@@ -1,4 +1,4 @@
-"""What comes out of a nonlinear run."""
+"""Results of a nonlinear run."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from .motion import Motion
     from .springs import Array
 
-#: Points of a step among which extremes are looked for.
+#: Points per step at which extremes are sought.
 _LOOKS = 8
 
-#: Rounds of looking closer, each among this many points, until a peak's time is known to 1e-8 of
-#: a step and so its height to the last digits.
+#: Rounds of refinement, and points in each, until a peak's time is known to 1e-8 of a step and so
+#: its height to the last digits.
 _ROUNDS, _CLOSER = 8, 17
 
 
@@ -57,7 +57,7 @@ class Piece:
         return out
 
     def looks(self, begin: float, end: float) -> Array:
-        """Give times in the piece close enough together to show every peak, and its ends."""
+        """Choose times in the piece, and its ends, close enough together to show every peak."""
         begin, end = max(begin, self.begin), min(end, self.end)
         if not self.steps:
             return np.array([end if begin == -np.inf else begin])
@@ -70,9 +70,9 @@ class Response(Shown):
     """
     Motion, loads and stiffnesses of one nonlinear run, sampled at `time`.
 
-    `simulate` makes it. Motion is from static equilibrium on a level runway at elevation 0. All
-    arrays are read-only, with one row a time; where two times are equal to a vertical step's, or
-    a gear changes state, the row shows what follows.
+    Returned by `simulate`. Motion is measured from static equilibrium on a level runway at
+    elevation 0. All arrays are read-only, with one row per time; at the time of a vertical step,
+    or when a gear changes state, the row shows what follows.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class Response(Shown):
     speed : float
         Ground speed [length/time].
     times : array_like, shape (n,)
-        When to sample [time].
+        Times at which to sample [time].
 
     Examples
     --------
@@ -153,7 +153,7 @@ class Response(Shown):
             rows["cg_rate"][here] = y[3:6].T
             rows["cg_acceleration"][here] = forces.body.T
             rows["elevation"][here] = piece.stretch.at(times).T
-            # Where a gear leaves the runway rounding may leave less than nothing.
+            # Where a gear leaves the runway, rounding may make the load negative.
             rows["load"][here] = np.maximum(forces.load, 0.0).T
             rows["stiffness"][here] = self._motion.stiffness(
                 piece.states, piece.stretch, times, y
@@ -172,12 +172,12 @@ class Response(Shown):
 
     @property
     def cg_rate(self) -> Array:
-        """Their rates, shape (n, 3) [length/time, rad/time]."""
+        """Rates of bounce, pitch and roll, shape (n, 3) [length/time, rad/time]."""
         return self._rows["cg_rate"]
 
     @property
     def cg_acceleration(self) -> Array:
-        """Their accelerations, shape (n, 3) [length/time², rad/time²]."""
+        """Accelerations of bounce, pitch and roll, shape (n, 3) [length/time², rad/time²]."""
         return self._rows["cg_acceleration"]
 
     @cached_property
@@ -234,7 +234,7 @@ class Response(Shown):
         Parameters
         ----------
         times : array_like, shape (k,), or float
-            Never decreasing, up to the end of the run [time].
+            Times, never decreasing, up to the end of the run [time].
 
         Returns
         -------
@@ -244,7 +244,7 @@ class Response(Shown):
         Raises
         ------
         InputError
-            If there is no time, one is not finite or after the end, or they decrease.
+            If there are no times, one is not finite or after the end, or they decrease.
 
         Examples
         --------
@@ -355,8 +355,8 @@ class Response(Shown):
         Raises
         ------
         InputError
-            If `end` is not after `begin`, `step` not positive, or the run ends before a gear
-            leaves the stretch.
+            If `end` is not after `begin`, `step` is not positive, there is no sample on the
+            stretch, or the run ends before a gear leaves it.
 
         Examples
         --------
@@ -396,7 +396,7 @@ class Response(Shown):
         """
         Stiffness of each gear that gives its mean period on a stretch of the runway (Eq. 22).
 
-        What `runway_modal.Aircraft.with_stiffness` takes.
+        The result can be passed to `runway_modal.Aircraft.with_stiffness`.
 
         Parameters
         ----------
@@ -413,7 +413,7 @@ class Response(Shown):
         Raises
         ------
         InputError
-            As for `stiffness_between`, or if a gear leaves the runway there: it has no period.
+            As for `stiffness_between`, or if a gear leaves the runway there: it then has no period.
 
         Examples
         --------
@@ -445,7 +445,7 @@ class Response(Shown):
 
 
 def _promising(values: Array, best: float) -> list[int]:
-    """Find the highest sample, if it is here, and those with perhaps a higher peak beside."""
+    """Find the highest sample, if it is here, and those that may have a higher peak beside them."""
     bend = np.zeros_like(values)
     bend[1:-1] = abs(np.diff(values, 2))
     bend[[0, -1]] = bend[[1, -2]] if values.size > 2 else 0.0

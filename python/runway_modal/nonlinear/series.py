@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from .springs import GasSpring, Values
 
-#: No run gets a gas column down to this share of its length or out to its inverse, but a trial
-#: step of the integration may try; the load then stays what it is there.
+#: No run compresses a gas column to this share of its length or extends it to the inverse, but a
+#: trial step of the integration may; the load then stays at its value there.
 _EXTREME = 1e-6
 
 #: Newton steps that suffice for any load within 1e40 of the chamber's reference load.
@@ -117,9 +117,8 @@ class Series:
     """
     Chambers and linear springs in series, as a law in smooth pieces.
 
-    Piece 0 lies below the first kink. There the load does not change any more: with a tire the
-    gear is off the runway; a strut by itself is on its stop. Each further kink is a chamber
-    leaving its stop.
+    Piece 0 lies below the first kink. There the load is constant: with a tire the gear is off the
+    runway, a strut by itself is on its stop. Each further kink is a chamber leaving its stop.
 
     Parameters
     ----------
@@ -130,12 +129,12 @@ class Series:
     static : float
         Load at which the compression counts as 0 [force].
     tire : bool
-        Whether a tire is among the linear springs: it does not pull.
+        Whether a tire, which does not pull, is among the linear springs.
     """
 
     __slots__ = ("_begin", "_branches", "_offsets", "kinks")
 
-    #: Compressions at which the pieces begin; -inf where a load never gets below the first.
+    #: Compressions at which the pieces begin; -inf if the load never falls below the first.
     kinks: list[float]
 
     def __init__(
@@ -167,13 +166,13 @@ class Series:
         return bisect(self.kinks, compression)
 
     def load(self, piece: int, compression: Values) -> Values:
-        """Load of a piece, also a little beyond its ends."""
+        """Load of a piece, also slightly beyond its ends."""
         if piece == 0:
             return self._begin[0] + 0.0 * compression
         return self._branches[piece - 1].load(compression + self._offsets[piece - 1])
 
     def compression(self, load: float) -> float:
-        """Compression at a load; where the load is less than the least, at that."""
+        """Compression at a load, or at the least load if that is larger."""
         load = max(load, self._begin[0])
         piece = bisect(self._begin, load) - 1
         return self._branches[piece].compression(load) - self._offsets[piece]

@@ -1,4 +1,4 @@
-"""One nonlinear aircraft meets one runway at one speed."""
+"""One nonlinear aircraft over one runway at one speed."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ if TYPE_CHECKING:
     from .ground import Stretch
     from .springs import Array
 
-#: Points of each step at which it is looked for a gear that changes state.
+#: Points of each step at which changes of state are sought.
 _LOOKS = np.arange(1, 9) / 8.0
 
-#: And between the start of a change and the first of them that shows it.
+#: Points between the last of them before a change and the first that shows it.
 _CLOSER = np.exp2(np.arange(-30.0, 1.0))
 
-#: Tolerance of a step for a tolerance of the run: over a run errors add up to some 8 times the
-#: former where the linear model is the judge.
+#: Tolerance of a step for a tolerance of the run: over a run, errors add up to about 8 times the
+#: former as judged by the linear model.
 _SAFETY = 0.01
 
-#: More changes of state at one time are a fault, not physics.
+#: More changes of state than this at one time are an error, not physics.
 _MOST_AT_ONCE = 100
 
 
@@ -67,19 +67,19 @@ def simulate(
     aircraft : Aircraft
         The aircraft.
     tracks : Profile or mapping of str to Profile
-        One profile for every gear, or profiles by gear name; gears left out run on the level.
+        One profile for all gears, or profiles by gear name; gears not named run on level ground.
     speed : float
         Ground speed, constant, > 0 [length/time].
     times : array_like, shape (n,), optional
-        When to sample, never decreasing [time]. Default: every breakpoint of every gear, both
-        sides of it where results jump, at vertical steps and under dampers, and at least 20
-        points a period of the fastest mode that `Aircraft.linearised` has.
+        Times at which to sample, never decreasing [time]. Default: every breakpoint of every gear
+        (both sides where results jump: at vertical steps and under dampers), and at least 20
+        points per period of the fastest mode of `Aircraft.linearised`.
     duration : float, optional
         End of the default times [time]. Default: 5 after the last gear has passed the last
         breakpoint.
     rtol : float
-        Error of motion and loads aimed at, relative to static deflection and static load, 1e-11
-        to 1e-2 [-].
+        Target error of motion and loads, relative to static deflection and static load, 1e-11 to
+        1e-2 [-].
 
     Returns
     -------
@@ -89,7 +89,8 @@ def simulate(
     Raises
     ------
     InputError
-        If an argument is of the wrong kind or out of range, or a gear name is unknown.
+        If an argument is of the wrong kind or out of range, a gear name is unknown, or both
+        `times` and `duration` are given.
     ImportError
         If scipy is not installed.
     NumericalError
@@ -111,7 +112,7 @@ def simulate(
     if not 1e-11 <= rtol <= 1e-2:
         raise InputError(f"rtol = {rtol!r} is not between 1e-11 and 1e-2")
     modes = aircraft.linearised().modes(0.0)
-    # It checks the arguments, knows the default times and gives each scale its size.
+    # The linear run checks the arguments and provides the default times.
     reference = simulate_linear(
         modes, tracks, speed, times=times, duration=duration, damping_input=True
     )
@@ -135,7 +136,7 @@ def _scales(aircraft: Aircraft, motion: Motion, omega: float) -> Array:
 
 
 class _Integration:
-    """From the first break to the end."""
+    """Integration from the first break to the end."""
 
     def __init__(self, motion: Motion, ground: list[Stretch], rtol: float, scales: Array) -> None:
         try:
@@ -145,8 +146,8 @@ class _Integration:
             raise ImportError(
                 "nonlinear.simulate needs scipy: pip install 'runway_modal[taxi]'"
             ) from None
-        # The stepper itself and not `solve_ivp`, whose events are looked for at the ends of steps
-        # only: a short lift-off within one would go unseen.
+        # The stepper itself and not `solve_ivp`, which looks for events only at the ends of steps:
+        # a short lift-off within one would go unseen.
         self._stepper, self._root = DOP853, brentq
         self._motion = motion
         self._ground = ground
@@ -172,7 +173,7 @@ class _Integration:
                 piece, y, change = self._smooth(states, stretch, time, min(until, end), y)
                 at_once = 0 if piece.end > time else at_once + 1
                 if at_once > _MOST_AT_ONCE:
-                    raise NumericalError(f"gears change state without end at the time {time!r}")
+                    raise NumericalError(f"gears change state endlessly at the time {time!r}")
                 if piece.end > time:
                     yield piece
                 time = piece.end
@@ -193,7 +194,7 @@ class _Integration:
         )
         knots, steps, change = [begin], [], None
         while stepper.status == "running" and change is None:
-            # A trial step may overflow, as v² does; it is then tried again, shorter.
+            # A trial step may overflow, as v² does; it is then repeated with a shorter one.
             with np.errstate(over="ignore", invalid="ignore"):
                 message = stepper.step()
             if stepper.status == "failed":
@@ -223,8 +224,8 @@ class _Integration:
         def time_of(switch: int) -> float:
             begin, end = before, after
             if switches(begin)[switch][0] <= 0.0:
-                # A gear that has just changed starts from zero: it may have come and gone. Or it
-                # is the other one of two gears that meet a bump together: negative all the way.
+                # A gear that has just changed state starts at zero and may have changed back. Or
+                # it is the second of two gears that meet a bump together: negative throughout.
                 closer = before + (after - before) * _CLOSER
                 positive = np.flatnonzero(switches(closer)[switch][0] > 0.0)
                 if not positive.size:

@@ -14,12 +14,12 @@ from runway_modal._input import finite, number
 
 Array: TypeAlias = NDArray[np.float64]
 
-#: One value in the equations of motion, many when a run is read.
+#: A single value in the equations of motion, many values when a run is evaluated.
 Values = TypeVar("Values", float, Array)
 
 
 def positive(argument: str, value: float) -> float:
-    """Pass a finite number > 0."""
+    """Check a finite number > 0; return it as a float."""
     passed = finite(argument, value)
     if not passed > 0.0:
         raise InputError(f"{argument} = {passed!r} is not positive")
@@ -27,7 +27,7 @@ def positive(argument: str, value: float) -> float:
 
 
 def not_negative(argument: str, value: float) -> float:
-    """Pass a finite number ≥ 0."""
+    """Check a finite number ≥ 0; return it as a float."""
     passed = finite(argument, value)
     if not passed >= 0.0:
         raise InputError(f"{argument} = {passed!r} is negative")
@@ -51,9 +51,10 @@ class GasSpring:
     column : float
         Length ℓ of the gas column there, > 0 [length].
     polytropic : float
-        Exponent n, > 0 [-]: 1.0 slow, about 1.1 with oil and gas mixing, 1.3 to 1.4 adiabatic.
+        Exponent n, > 0 [-]: 1.0 if slow, about 1.1 if oil and gas mix, 1.3 to 1.4 if adiabatic.
     extension : float
-        How far the chamber can extend from there to its stop, ≥ 0 [length]. Default: no stop.
+        How far the chamber can extend from the reference point to its stop, ≥ 0 [length].
+        Default: no stop.
 
     Raises
     ------

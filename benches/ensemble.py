@@ -72,7 +72,7 @@ class March:
             self.squares.append(square)
 
     def rises(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Rises under nose and mains, a row a period, the mains' first one before their first."""
+        """Rises under nose and mains, one row per period, the mains' first before their first."""
         up = np.diff(z, axis=-1)
         level = np.zeros((*up.shape[:1], 2, self.whole + 1))
         nose = np.concatenate((up[:, 0], level[:, 0]), axis=1)

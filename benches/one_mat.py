@@ -1,7 +1,7 @@
 """
 One mat: a whole `simulate` call with its extremes, against scipy.
 
-The peer integrates the same modes with `scipy.signal.lsim` on 20 points a period of the fastest
+The peer integrates the same modes with `scipy.signal.lsim` on 20 points per period of the fastest
 mode and takes the largest samples; its system is set up before. It is exact only where knots
 fall on its grid, and its maxima are samples.
 """

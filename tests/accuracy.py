@@ -190,7 +190,7 @@ def samples(oracle: Oracle, rng: np.random.Generator) -> Array:
 
 
 def values(response: rm.Response, quantity: str) -> Array:
-    """Give a quantity of a response, one column a component."""
+    """Give a quantity of a response, one column per component."""
     if quantity == "acceleration":
         return np.stack(list(response.acceleration.values()), axis=1)
     found: NDArray[np.float64] = getattr(response, quantity)

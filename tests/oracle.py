@@ -61,7 +61,7 @@ class Knot:
 
 
 class Oracle:
-    """One run: an aircraft, a damping ratio for all modes or one a mode, a profile a gear."""
+    """One run: an aircraft, one damping ratio for all modes or per mode, one profile per gear."""
 
     def __init__(
         self,
@@ -221,7 +221,7 @@ class Oracle:
                 yield (self.exponential(rational(time) - last.distance / self.speed) * state).mid()
 
     def at(self, times: Sequence[float]) -> dict[str, Rows]:
-        """Quantities at times: for each name a row a time, as in a Response."""
+        """Quantities at times: for each name one row per time, as in a Response."""
         found: dict[str, Rows] = {name: [] for name in self.outputs}
         with ctx.workprec(self.bits):
             still = arb_mat(self.static_load)

@@ -164,7 +164,7 @@ def test_of_long_stretches_only_what_can_tell_is_searched(ratios, spacing, speed
 
 
 def test_every_wave_brings_the_record_once_more():
-    # In resonance, sixteen stations a wave: all waves peak alike between stations, but for a
+    # In resonance, sixteen stations per wave: all waves peak alike between stations, but for a
     # decrease that bounds do not tell. The record stands early, in what is gone over long before
     # the end.
     modes, x = rm.f4e().modes(0.02), 10.0 * np.arange(20_000)

@@ -89,7 +89,7 @@ def test_exceedance_curve_is_the_share_of_runs_beyond(quantity: str) -> None:
     assert curve.get_xdata()[[0, -1]].tolist() == [loads.min() / 1e3, loads.max() / 1e3]
     band = axes.collections[0].get_paths()[0].vertices
     assert band[:, 1].min() < 1 / 400 < 1.5 / 400 < band[:, 1].max()
-    word = "above" if quantity == "max_load" else "below"
+    word = "above" if quantity == "max_load" else "at or below"
     assert (axes.get_yscale(), axes.get_ylabel()) == ("log", f"share of runs {word}")
 
 
@@ -102,7 +102,7 @@ def test_accelerations_are_drawn_in_g() -> None:
     assert axes.get_xlabel() == "largest |vertical acceleration| [g]"
 
 
-def test_figure_has_a_row_an_ensemble() -> None:
+def test_figure_has_one_row_per_ensemble() -> None:
     figure = plotting_ensemble.histograms_and_exceedances(
         {"60 kt": ENSEMBLE, "again": ENSEMBLE}, "F-4E", units=INCHES
     )

@@ -113,7 +113,7 @@ def test_unknown_gear_and_missing_extra(monkeypatch: pytest.MonkeyPatch) -> None
         RESPONSE.plot(["tail"])
     with pytest.raises(rm.InputError, match=r"gears\[1\] = 'tail': no such gear"):
         loads_over_profile({"": NONLINEAR}, {"nose": "", "tail": ""})
-    with pytest.raises(rm.InputError, match=r"gears = 'nose' is one name; give a list, \['nose'\]"):
+    with pytest.raises(rm.InputError, match=r"gears = 'nose' is a single name; give a list"):
         RESPONSE.plot("nose")
     with pytest.raises(rm.InputError, match="gears is empty"):
         RESPONSE.plot([])

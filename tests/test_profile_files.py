@@ -89,7 +89,7 @@ def test_csv_layouts(path: Path, text: str | bytes, how: dict[str, Any]) -> None
 def test_csv_tracks(path: Path) -> None:
     save(path, "s [ft],left [in],center,right [mm]\n0,0,5,0\n10,1,6,25.4\n")
     gears = {"nose": "center", "left main": 1, "right main": "right [mm]"}
-    with pytest.raises(rm.InputError, match=r"line 1: column 'right \[mm\]' is in 'mm', not in"):
+    with pytest.raises(rm.InputError, match=r"line 1: column 'right \[mm\]' is in 'mm', which"):
         rm.read_csv(path, "in", unit=("ft", "in"), elevation=gears)
     tracks = rm.read_csv(path, "in", elevation={"left": 1, "right": 3})
     expected = rm.Profile([0.0, 120.0], [0.0, 1.0])
@@ -142,7 +142,12 @@ def test_conversion_is_correct_to_rounding(path: Path, unit: str, to: str) -> No
         ("0,0\n2,1\n1,2\n", 3, ["station 1.0 comes after 2.0"], {}),
         ("0,0\n2,1\n1,2\n", 3, ["station 1.0 comes after 2.0"], {"unit": "m"}),
         ("0,0\n", 2, ["no data"], {"skiprows": 1}),
-        ("Runway 9\nx,z\n0,0\n", 2, ["where line 1 has 2: 'x,z'; lines above", "skiprows"], {}),
+        (
+            "Runway 9\nx,z\n0,0\n",
+            2,
+            ["where line 1 has 2: 'x,z'; to skip lines above", "skiprows"],
+            {},
+        ),
         ("0,0\n1\n", 2, ["1 cell(s) where line 1 has 2", "'1'"], {}),
         ("0,0\n1,2,3\n", 2, ["3 cell(s) where line 1 has 2"], {}),
         ("0,0,1,5\n1,5,2,5\n9\n", 3, ["1 cell(s)"], {}),
@@ -153,7 +158,12 @@ def test_conversion_is_correct_to_rounding(path: Path, unit: str, to: str) -> No
         ("x,z\n0,0\n", 1, ["no column is called 'left'", "'x', 'z'"], {"elevation": "left"}),
         ("0,0\n", 1, ["no column is called 'z'", "no names"], {"elevation": "z"}),
         ("x,z,z\n0,0,0\n", 1, ["columns [1, 2]", "'z'"], {"elevation": "z"}),
-        ("x [in],z [in]\n0,0\n", 1, ["'x [in]' is in 'in', not in unit = 'm'"], {"unit": "m"}),
+        (
+            "x [in],z [in]\n0,0\n",
+            1,
+            ["'x [in]' is in 'in', which contradicts unit = 'm'"],
+            {"unit": "m"},
+        ),
         ("x [furlong],z [in]\n0,0\n", 1, ["unknown unit 'furlong'"], {"unit": None}),
         ("x [in],z\n0,0\n", 1, ["no unit for column 'z'"], {"unit": None}),
         ("0,0\n", 1, ["no unit for column 0"], {"unit": None}),
@@ -180,12 +190,12 @@ def test_csv_faults(
         ({"unit": ("m", "m", "m")}, "is not a unit or a pair"),
         ({"unit": 3}, "unit = 3 is not a unit or a pair"),
         ({"decimal": ";"}, "decimal = ';' is neither"),
-        ({"delimiter": "||"}, "delimiter = '||' cannot stand between cells"),
-        ({"delimiter": ""}, "delimiter = '' cannot stand"),
-        ({"delimiter": '"'}, "cannot stand"),
-        ({"delimiter": 3}, "delimiter = 3 cannot stand"),
-        ({"delimiter": "."}, "delimiter = '.' cannot stand"),
-        ({"delimiter": ",", "decimal": ","}, "delimiter = ',' cannot stand"),
+        ({"delimiter": "||"}, "delimiter = '||' cannot separate cells"),
+        ({"delimiter": ""}, "delimiter = '' cannot separate"),
+        ({"delimiter": '"'}, "cannot separate"),
+        ({"delimiter": 3}, "delimiter = 3 cannot separate"),
+        ({"delimiter": "."}, "delimiter = '.' cannot separate"),
+        ({"delimiter": ",", "decimal": ","}, "delimiter = ',' cannot separate"),
         ({"station": 1.0}, "column 1.0 is neither a name nor a whole number"),
         ({"elevation": True}, "column True is neither"),
         ({"elevation": {}}, "elevation names no column"),
@@ -314,7 +324,7 @@ def test_erd_with_names_cut_short(path: Path) -> None:
         (erd(XUNITS=""), 11, ["no unit for XUNITS"], {}),
         (erd(UNITSNAM="UNITSNAMmil     mm      in\n"), 6, ["'mil' for channel 0"], {}),
         (erd(UNITSNAM=""), 11, ["no unit for channel 0"], {}),
-        (ERD, 8, ["XUNITS is in 'm', not in unit = 'in'"], {"unit": "in"}),
+        (ERD, 8, ["XUNITS is in 'm', which contradicts unit = 'in'"], {"unit": "in"}),
         (ERD, 12, ["no column is called 'nose'", "'Left Elevation'"], {"elevation": "nose"}),
         (ERD, 12, ["no column 3; there are 3"], {"elevation": 3}),
     ],
@@ -401,10 +411,10 @@ def test_a_single_profile_comes_back_by_default(path: Path) -> None:
         ([0.0, 1.0], "neither a Profile nor profiles by name"),
         ({}, "neither a Profile nor profiles by name"),
         ({"nose": None}, "tracks['nose'] = None is not a Profile"),
-        ({"": MAT}, "the name '' cannot stand"),
-        ({3: MAT}, "the name 3 cannot stand"),
-        ({" nose": MAT}, "the name ' nose' cannot stand"),
-        ({"no\nse": MAT}, "cannot stand"),
+        ({"": MAT}, "the name '' cannot be written"),
+        ({3: MAT}, "the name 3 cannot be written"),
+        ({" nose": MAT}, "the name ' nose' cannot be written"),
+        ({"no\nse": MAT}, "cannot be written"),
         ({"a": MAT, "b": MAT.shifted(1.0)}, "tracks['a'] and tracks['b'] have different stations"),
     ],
 )
@@ -420,10 +430,10 @@ def test_what_cannot_be_written(path: Path, tracks: Any, message: str) -> None:
 @pytest.mark.parametrize(
     ("tracks", "message"),
     [
-        (MAT, "x[1] = 12.0 is no multiple of the step 310.0"),
-        (rm.Profile([1, 2, 3], [0, 0, 0]), "x[0] = 1.0 is no multiple of the step"),
-        (rm.Profile([0, 0], [0, 1]), "no multiple of the step 0.0"),
-        (rm.Profile([0], [0]), "two stations or more"),
+        (MAT, "x[1] = 12.0 is not a multiple of the step 310.0"),
+        (rm.Profile([1, 2, 3], [0, 0, 0]), "x[0] = 1.0 is not a multiple of the step"),
+        (rm.Profile([0, 0], [0, 1]), "not a multiple of the step 0.0"),
+        (rm.Profile([0], [0]), "at least two stations"),
         ({"n" * 33: rm.Profile([0, 1], [0, 1])}, "longer than 32 characters"),
     ],
 )

@@ -518,7 +518,7 @@ def test_bad_monte_carlo(wrong: dict[str, object], message: str) -> None:
 
 @pytest.mark.parametrize("name", ["a", "I", "", "AB", 1, None])
 def test_bad_class(name: object) -> None:
-    with pytest.raises(rm.InputError, match="no class of ISO 8608"):
+    with pytest.raises(rm.InputError, match="not a class of ISO 8608"):
         rm.Roughness.iso8608(name)
 
 

@@ -1,7 +1,7 @@
 """
 Exact modal response of an aircraft rolling over a runway profile.
 
-Any consistent unit system; the report's is lbf, in, s. See `simulate`.
+Any consistent unit system will do; the 1980 report's is lbf, in, s. Start at `simulate`.
 """
 
 from ._core import InputError, NumericalError, __version__

@@ -1,4 +1,4 @@
-"""What all figures have in common: axes, colours, units, legends (extra ``plot``)."""
+"""What all figures share: axes, colours, units, legends (extra ``plot``)."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 
     from .units import Dimension, Units
 
-#: Distinct with any colour vision (Okabe and Ito), blue and vermilion first.
+#: Distinguishable with any colour vision (Okabe and Ito), blue and vermilion first.
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 
 DASHES = ("-", "--", ":")
 
-#: Of static loads: longer than any of those.
+#: Dashes of static loads, longer than any in `DASHES`.
 STATIC_DASHES = (0, (6, 3))
 
 
 def require() -> None:
-    """Name the extra if matplotlib is not there."""
+    """Raise an `ImportError` that names the extra if matplotlib is missing."""
     try:
         import matplotlib as mpl  # noqa: F401
     except ImportError:
@@ -32,7 +32,7 @@ def require() -> None:
 
 
 def new_axes() -> Axes:
-    """Axes of a new figure."""
+    """Make the axes of a new figure."""
     require()
     import matplotlib.pyplot as plt
 
@@ -40,13 +40,13 @@ def new_axes() -> Axes:
 
 
 def axis_label(quantity: str, dimension: Dimension, units: Units | None) -> str:
-    """Label of an axis, with its unit if there is one."""
+    """Label of an axis, with the unit if units are given."""
     units = stated(units)
     return f"{quantity} [{units.name(dimension)}]" if units else quantity
 
 
 def load_unit(units: Units | None) -> tuple[float, str]:
-    """Divisor of loads and their unit for an axis."""
+    """Divisor for loads on an axis, and the unit to print there."""
     units = stated(units)
     if units is None:
         return 1.0, ""
@@ -56,9 +56,9 @@ def load_unit(units: Units | None) -> tuple[float, str]:
 
 
 def shown(argument: str, names: Sequence[str] | None, there: Sequence[str], kind: str) -> list[str]:
-    """Names of what is to be drawn, all that are there by default."""
+    """Check the names of what is to be drawn; by default all there are."""
     if isinstance(names, str):
-        raise InputError(f"{argument} = {names!r} is one name; give a list, [{names!r}]")
+        raise InputError(f"{argument} = {names!r} is a single name; give a list, [{names!r}]")
     wanted = list(there if names is None else names)
     if not wanted:
         raise InputError(f"{argument} is empty")
@@ -71,33 +71,33 @@ def shown(argument: str, names: Sequence[str] | None, there: Sequence[str], kind
 
 
 def line_style(i: int) -> tuple[str, str]:
-    """Colour and dashes of the i-th line: no two alike among eighteen."""
+    """Colour and dashes of the i-th line; the first eighteen all differ."""
     return COLORS[i % len(COLORS)], DASHES[i // len(COLORS) % len(DASHES)]
 
 
 def nested_width(i: int, count: int) -> float:
-    """Width of the i-th line, thin over wide: gears that do the same would hide each other."""
+    """Width of the i-th line, thin over wide, so that equal curves do not hide each other."""
     return 1.1 + min(0.7, 2.8 / count) * (count - 1 - i)
 
 
-def dot(at: Sized) -> str:
-    """Marker of a line: a single point has no line to be seen by."""
+def marker(at: Sized) -> str:
+    """Marker of a line: a dot for a single point, which no line would show."""
     return "o" if len(at) == 1 else ""
 
 
 def mark_static(ax: Axes, load: float, color: str, label: str = "") -> None:
-    """Mark a static load by a dashed line."""
+    """Mark a static load with a dashed line."""
     ax.axhline(load, color=color, lw=0.9, ls=STATIC_DASHES, label=label)
 
 
 def legend_above(ax: Axes) -> None:
-    """Legend above the curves, at most four abreast and as many as fit."""
+    """Put the legend above the curves, in as many columns as fit, at most four."""
     labels = ax.get_legend_handles_labels()[1]
-    # In letters of this size, fourteen an inch; a sample of the line takes six.
+    # In characters of this size, fourteen per inch; the sample of a line takes six.
     room = 14.0 * ax.get_window_extent().width / ax.figure.dpi
     across = max(1, min(4, len(labels), int(room / (6 + max(map(len, labels))))))
     rows = -(-len(labels) // across)
-    # Of all that is drawn: an earlier call has set limits for less.
+    # From everything drawn: an earlier call has set limits for fewer curves.
     ax.autoscale(axis="y")
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + (0.08 + 0.1 * rows) * (high - low))

@@ -1,4 +1,4 @@
-"""A Monte Carlo cut into chunks of runs, each computed wherever and whenever it suits."""
+"""A Monte Carlo cut into chunks of runs that can be computed anywhere, at any time."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .ensemble import Ensemble
     from .modes import Modes
 
-#: Runs of a chunk: seconds of work, a file of some hundred kilobytes.
+#: Runs per chunk: seconds of work, a file of a few hundred kilobytes.
 CHUNK = 4096
 
 
@@ -42,7 +42,7 @@ class Options(TypedDict):
 
 @dataclass(frozen=True)
 class Chunk:
-    """Some runs of a Monte Carlo: all that a process needs to compute them."""
+    """Some runs of a Monte Carlo, with all that a process needs to compute them."""
 
     modes: Modes
     roughness: Roughness
@@ -50,16 +50,16 @@ class Chunk:
 
     @property
     def first_run(self) -> int:
-        """Number of its first run."""
+        """Number of the first run."""
         return self.options.get("first_run", 0)
 
     def compute(self) -> Ensemble:
-        """Roll over them."""
+        """Compute the runs."""
         return monte_carlo(self.modes, self.roughness, **self.options)
 
 
 def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> list[Chunk]:
-    """Cut the runs of a Monte Carlo; what is wrong with its arguments is said here and now."""
+    """Cut a Monte Carlo into chunks of runs; faulty arguments are refused at once."""
     if not isinstance(roughness, Roughness):
         raise InputError(f"roughness = {roughness!r} is not a Roughness")
     for key in ("length", "spacing", "speed", "runs", "seed"):
@@ -72,8 +72,8 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> l
     size = integer("chunk", size, 1)
     speed = array("speed", options["speed"], ndim=None)
     if speed.ndim > 1 or (speed.ndim == 1 and speed.size not in (1, runs)):
-        raise InputError(f"speed has the shape {speed.shape}, not one value or one a run ({runs},)")
-    # Here, as a chunk would count them from its own first run.
+        raise InputError(f"speed has shape {speed.shape}; one value or one per run expected")
+    # Checked here: a chunk would count indices from its own first run.
     refuse("speed", speed, ~((speed > 0) & np.isfinite(speed)), "is not positive and finite")
     each = speed.size == runs and speed.ndim == 1
 
@@ -85,7 +85,7 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> l
         return Chunk(modes, roughness, own)
 
     parts = [part(begin) for begin in range(0, runs, size)]
-    # One run says what is wrong with the rest, before any result is kept.
+    # One trial run checks the other arguments before any result is kept.
     trial = parts[0].options.copy()
     trial["runs"], trial["speed"] = 1, speed.flat[:1]
     Chunk(modes, roughness, trial).compute()
@@ -95,7 +95,7 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> l
 def computed(
     modes: Modes, roughness: Roughness, options: Options, progress: Callable[[int, int], object]
 ) -> Ensemble:
-    """Compute chunk by chunk in this process; `progress` is told of runs finished and wanted."""
+    """Compute chunk by chunk in this process; `progress` gets the runs finished and wanted."""
     results: list[Ensemble] = []
     parts, runs, done = chunks(modes, roughness, options, CHUNK), options["runs"], 0
     progress(done, runs)
@@ -107,7 +107,7 @@ def computed(
 
 
 def joined(parts: Iterable[Ensemble]) -> Ensemble:
-    """Put the results of chunks together: neighbours first, so that no row is copied often."""
+    """Merge the results of chunks in pairs of neighbours, so that no row is copied often."""
     waiting = list(parts)
     while len(waiting) > 1:
         pairs = zip_longest(waiting[::2], waiting[1::2])

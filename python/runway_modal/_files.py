@@ -1,4 +1,4 @@
-"""What reading and writing profiles have in common, whatever the format."""
+"""What readers and writers of profiles share, whatever the format."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 
     FilePath: TypeAlias = str | os.PathLike[str]
 
-#: A column of a file: its name, or its number from 0.
+#: A column of a file: its name, or its number counted from 0.
 Column: TypeAlias = str | int
 
-#: A decimal comma, and no point for thousands.
+#: Reads a decimal comma; a point for thousands becomes an error.
 _DECIMAL_COMMA = str.maketrans({",": ".", ".": ","})
 
-#: What a single profile is called where a file asks for a name.
+#: Name of a single profile in formats that need one.
 ELEVATION = "elevation"
 
 
@@ -40,13 +40,13 @@ def fault(path: FilePath, line: int, what: str) -> InputError:
 
 
 def read_lines(path: FilePath) -> list[str]:
-    """Lines of a text file, whatever ends them, without a byte order mark."""
-    # Names in another encoding are no obstacle to numbers: their bytes are kept as they are.
+    """Read the lines of a text file with any line ends, without a byte order mark."""
+    # Names in another encoding do not keep numbers from being read: their bytes stay as they are.
     text = Path(path).read_bytes().decode("utf-8-sig", errors="surrogateescape")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if "\0" in text:
         line = text.count("\n", 0, text.index("\0")) + 1
-        raise fault(path, line, "a zero byte: this is no text file in UTF-8 or ASCII")
+        raise fault(path, line, "a zero byte: not a text file in UTF-8 or ASCII")
     return text.split("\n")
 
 
@@ -56,7 +56,7 @@ def excerpt(line: str) -> str:
 
 
 def wanted(elevation: Column | Mapping[str, Column]) -> dict[str, Column]:
-    """Name of each profile and its column."""
+    """Column of each profile, by name."""
     if not isinstance(elevation, Mapping):
         return {ELEVATION: elevation}
     if not elevation:
@@ -67,7 +67,7 @@ def wanted(elevation: Column | Mapping[str, Column]) -> dict[str, Column]:
 def find(
     path: FilePath, line: int, column: Column, names: Sequence[str], others: Sequence[str]
 ) -> int:
-    """Find the number of a column: by its name in this line of the file, or its other name."""
+    """Find the number of a column, given by number, by name or by its other name."""
     if isinstance(column, str):
         for known in (names, others):
             found = [i for i, name in enumerate(known) if name == column]
@@ -75,8 +75,8 @@ def find(
                 return found[0]
             if found:
                 raise fault(path, line, f"columns {found} are all called {column!r}")
-        told = dict.fromkeys(name for name in (*names, *others) if name)
-        there = ", ".join(map(repr, told)) or "no names"
+        listed = dict.fromkeys(name for name in (*names, *others) if name)
+        there = ", ".join(map(repr, listed)) or "no names"
         raise fault(path, line, f"no column is called {column!r}; there are {there}")
     if isinstance(column, bool) or not isinstance(column, int | np.integer):
         raise InputError(f"column {column!r} is neither a name nor a whole number")
@@ -90,16 +90,18 @@ def unit_of(path: FilePath, line: int, what: str, in_file: str, stated: str | No
     unit = in_file.lower()
     if is_length_unit(unit):
         if stated not in (None, unit):
-            raise fault(path, line, f"{what} is in {in_file!r}, not in unit = {stated!r}")
+            raise fault(
+                path, line, f"{what} is in {in_file!r}, which contradicts unit = {stated!r}"
+            )
         return unit
     if stated is None:
         said = f"unknown unit {in_file!r}" if in_file else "no unit"
-        raise fault(path, line, f"{said} for {what}: state it as unit")
+        raise fault(path, line, f"{said} for {what}: give it as unit")
     return stated
 
 
 def stated_units(unit: str | tuple[str, str] | None) -> tuple[str | None, str | None]:
-    """Units of station and elevation that the caller states."""
+    """Units of station and elevation as given by the caller."""
     if unit is None:
         return None, None
     if isinstance(unit, str):
@@ -114,14 +116,14 @@ def stated_units(unit: str | tuple[str, str] | None) -> tuple[str | None, str | 
 def numbers(
     path: FilePath, lines: Sequence[int], cells: Sequence[str], what: str, decimal: str = "."
 ) -> NDArray[np.float64]:
-    """Finite numbers from texts, each from a line of the file."""
+    """Read finite numbers from cells, each from a line of the file."""
     texts = cells if decimal == "." else [cell.translate(_DECIMAL_COMMA) for cell in cells]
     values = np.array([np.nan])
     with suppress(ValueError):
         values = np.array([float(text) for text in texts])
     if np.isfinite(values).all() and not any("_" in text for text in texts):
         return values
-    # A word in a file of a million numbers is looked for only where there is one.
+    # Cell by cell, which is slow, only if one is known to be at fault.
     for line, cell, text in zip(lines, cells, texts, strict=True):
         said = repr(cell.strip()) if cell.strip() else "an empty cell"
         if not is_number(text):
@@ -133,7 +135,7 @@ def numbers(
 
 
 def is_number(text: str, decimal: str = ".") -> bool:
-    """Whether a text is one number; Python's own 1_000 is none in a file."""
+    """Whether a text is a number; 1_000, which Python would take, is not."""
     try:
         float(text if decimal == "." else text.translate(_DECIMAL_COMMA))
     except ValueError:
@@ -142,12 +144,12 @@ def is_number(text: str, decimal: str = ".") -> bool:
 
 
 def check_rising(path: FilePath, lines: Sequence[int], stations: NDArray[np.float64]) -> None:
-    """Refuse stations that decrease, in the numbers of the file."""
+    """Refuse stations that decrease, quoting the numbers in the file."""
     falling = np.flatnonzero(np.diff(stations) < 0)
     if falling.size:
         i = int(falling[0])
         step = f"station {stations[i + 1]} comes after {stations[i]}"
-        raise fault(path, lines[i + 1], f"{step}: stations may not decrease")
+        raise fault(path, lines[i + 1], f"{step}: stations must not decrease")
 
 
 def profiles(
@@ -157,7 +159,7 @@ def profiles(
     elevations: Mapping[str, NDArray[np.float64]],
     unit: str,
 ) -> dict[str, Profile]:
-    """Profiles that share stations, in one unit, each breakpoint from a line of the file."""
+    """Make profiles that share stations, in one unit, each breakpoint from a line of the file."""
     try:
         return {name: Profile(stations, z) for name, z in elevations.items()}
     except InputError as error:
@@ -166,13 +168,13 @@ def profiles(
 
 
 def in_unit(values: NDArray[np.float64], unit: str, to: str) -> NDArray[np.float64]:
-    """Lengths in another unit; what overflows is left for `Profile` to refuse."""
+    """Convert lengths to another unit; overflow is left for `Profile` to refuse."""
     with np.errstate(over="ignore"):
         return convert_length(values, unit, to)
 
 
 def as_tracks(tracks: Profile | Mapping[str, Profile]) -> dict[str, Profile]:
-    """Profiles by name, all on the same stations, as a table has them."""
+    """Check profiles by name, all on the same stations, as one table needs them."""
     if isinstance(tracks, Profile):
         return {ELEVATION: tracks}
     if not isinstance(tracks, Mapping) or not tracks:
@@ -181,22 +183,22 @@ def as_tracks(tracks: Profile | Mapping[str, Profile]) -> dict[str, Profile]:
         if not isinstance(profile, Profile):
             raise InputError(f"tracks[{name!r}] = {profile!r} is not a Profile")
         if not isinstance(name, str) or not name.isprintable() or name != name.strip() or not name:
-            raise InputError(f"tracks: the name {name!r} cannot stand in a file")
+            raise InputError(f"tracks: the name {name!r} cannot be written to a file")
     for (one, first), (other, second) in pairwise(tracks.items()):
         if not np.array_equal(first.x, second.x):
             raise InputError(
-                f"tracks[{one!r}] and tracks[{other!r}] have different stations: one table needs "
-                "the same ones, or write a file each"
+                f"tracks[{one!r}] and tracks[{other!r}] have different stations, and one table "
+                "has room for one set: write each to a file of its own"
             )
     return dict(tracks)
 
 
 def write_lines(path: FilePath, lines: Iterable[str]) -> None:
-    """Write lines as UTF-8, each with a line feed on any system."""
+    """Write lines as UTF-8, ended by a line feed on every system."""
     Path(path).write_text("".join(f"{line}\n" for line in lines), encoding="utf-8", newline="\n")
 
 
 def rows(columns: Iterable[NDArray[np.float64]], separator: str) -> Iterable[str]:
-    """Rows of a table, with the fewest digits that give the same number back."""
+    """Rows of a table, with the fewest digits that read back as the same number."""
     texts = [[repr(value) for value in column.tolist()] for column in columns]
     return map(separator.join, zip(*texts, strict=True))

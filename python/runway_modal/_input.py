@@ -1,4 +1,4 @@
-"""Kind and shape of what a caller passes; values are checked by the Rust core."""
+"""Checks of kind and shape, and of values that never reach the core."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def number(argument: str, value: Any) -> float:
-    """Pass one real number as a float."""
+    """Check a real number; return it as a float."""
     if type(value) is float:
         return value
     try:
@@ -32,7 +32,7 @@ def number(argument: str, value: Any) -> float:
 
 
 def finite(argument: str, value: Any) -> float:
-    """Pass one finite real number as a float."""
+    """Check a finite real number; return it as a float."""
     passed = number(argument, value)
     if not math.isfinite(passed):
         raise InputError(f"{argument} = {passed!r} is not finite")
@@ -40,7 +40,7 @@ def finite(argument: str, value: Any) -> float:
 
 
 def integer(argument: str, value: Any, least: int, below: int | None = None) -> int:
-    """Pass one whole number within limits."""
+    """Check a whole number and its limits; return it as an int."""
     try:
         passed = operator.index(value)
     except TypeError:
@@ -52,14 +52,14 @@ def integer(argument: str, value: Any, least: int, below: int | None = None) -> 
 
 
 def flag(argument: str, value: Any) -> bool:
-    """Pass True or False; other values that Python takes for one are mistakes."""
+    """Check for True or False; anything else that has a truth value is refused."""
     if not isinstance(value, bool | np.bool_):
         raise InputError(f"{argument} = {value!r} is not True or False")
     return bool(value)
 
 
 def array(argument: str, values: ArrayLike, ndim: int | None = 1) -> NDArray[np.float64]:
-    """Pass real numbers as a C-ordered float64 array of `ndim` dimensions, None for any number."""
+    """Check real numbers; return a C-ordered float64 array of `ndim` dimensions (None: any)."""
     given = any_array(argument, values)
     if given.dtype == object:
         for place, value in np.ndenumerate(given):
@@ -77,7 +77,7 @@ def array(argument: str, values: ArrayLike, ndim: int | None = 1) -> NDArray[np.
 
 
 def refuse(argument: str, values: NDArray[Any], wrong: NDArray[np.bool_], why: str) -> None:
-    """Raise for the first of the values that is wrong, if one is."""
+    """Raise for the first wrong value, if there is one."""
     for index in np.argwhere(wrong):
         value = values[tuple(index)].item()
         raise InputError(f"{argument}{_where(index)} = {value!r} {why}")
@@ -88,7 +88,7 @@ def _where(index: Sequence[int] | NDArray[np.intp]) -> str:
 
 
 def any_array(argument: str, values: ArrayLike) -> NDArray[Any]:
-    """Pass what makes a rectangular array."""
+    """Make a rectangular array of any kind."""
     try:
         return np.asanyarray(values)
     except ValueError:

@@ -1,4 +1,4 @@
-"""What an ensemble tells of every run: names, dimensions, and which way is beyond."""
+"""Quantities that an ensemble holds for every run: names, dimensions, dangerous direction."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .units import ACCELERATION, FORCE
 if TYPE_CHECKING:
     from .ensemble import Ensemble
 
-#: Those of gears, then those of stations.
+#: Quantities of gears, then those of stations.
 DIMENSIONS = {
     "max_load": FORCE,
     "min_load": FORCE,
@@ -26,7 +26,7 @@ LABELS = {
     "rms_acceleration": "RMS of vertical acceleration",
 }
 
-#: Of these the small values are the dangerous ones.
+#: Quantities whose small values are the dangerous ones.
 DOWNWARD = ("min_load",)
 
 

@@ -1,4 +1,4 @@
-"""What the responses of linear and nonlinear aircraft have in common: figures and tables."""
+"""What the responses of linear and nonlinear aircraft share: figures and tables."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class _Aircraft(Protocol):
 
 
 class Results(Protocol):
-    """What figures and tables ask of a response; `runway_modal.Response` says what each is."""
+    """What figures and tables need of a response; `runway_modal.Response` documents each name."""
 
     _of_gears: ClassVar[tuple[str, ...]]
 
@@ -51,7 +51,7 @@ class Shown:
 
     __slots__ = ()
 
-    #: Quantities with a column a gear.
+    #: Quantities with one column per gear.
     _of_gears: ClassVar[tuple[str, ...]] = ("load", "elevation")
 
     def plot(
@@ -62,16 +62,16 @@ class Shown:
         units: Units | None = None,
     ) -> Axes:
         """
-        Draw gear loads against time, with their static loads as lines.
+        Draw gear loads against time, with static loads as dashed lines.
 
         Parameters
         ----------
         gears : sequence of str, optional
-            Which gears. Default: all.
+            Gears to draw. Default: all.
         ax : matplotlib.axes.Axes, optional
-            Where. Default: a new figure.
+            Axes to draw on. Default: those of a new figure.
         units : Units, optional
-            Units of the response, for the axes; loads in lbf and N are drawn in kip and kN.
+            Units of the response, for the axis labels; loads in lbf and N are drawn in kip and kN.
 
         Returns
         -------
@@ -81,7 +81,8 @@ class Shown:
         Raises
         ------
         InputError
-            If there is no such gear.
+            If a gear is unknown, `gears` is empty or a single name, or `units` is not
+            a `Units`.
         ImportError
             If matplotlib is not installed.
 
@@ -100,7 +101,7 @@ class Shown:
 
     def to_pandas(self: Results, units: Units | None = None) -> pd.DataFrame:
         """
-        Make a table of the response, one row a time (extra ``tables``).
+        Make a table of the response, one row per time (extra ``tables``).
 
         Parameters
         ----------
@@ -111,10 +112,12 @@ class Shown:
         -------
         pandas.DataFrame
             Columns time, distance, load_<gear>, elevation_<gear>, bounce, pitch, roll and
-            acceleration_<station>; of a nonlinear run stiffness_<gear>, too.
+            acceleration_<station>; for a nonlinear run also stiffness_<gear>.
 
         Raises
         ------
+        InputError
+            If `units` is not a `Units`.
         ImportError
             If pandas is not installed.
 
@@ -143,11 +146,13 @@ class Shown:
         -------
         xarray.Dataset
             Variables distance, load, elevation, bounce, pitch, roll, acceleration and
-            static_load over time, gear and station; of a nonlinear run stiffness, too. A
-            jump has two times, the last double before it and its own.
+            static_load over time, gear and station; for a nonlinear run also stiffness. A
+            jump has two times: the last floating-point number before it, and its own.
 
         Raises
         ------
+        InputError
+            If `units` is not a `Units`.
         ImportError
             If xarray is not installed.
 

@@ -8,12 +8,12 @@ from . import _core
 from ._core import InputError
 from .profile import Profile
 
-#: Under gears that are left out.
+#: The runway under gears that are not named.
 _LEVEL = Profile._wrap(_core.Profile.level())
 
 
 def by_gear(names: tuple[str, ...], tracks: Profile | Mapping[str, Profile]) -> list[Profile]:
-    """One profile a gear, of one for all or some by gear name."""
+    """One profile per gear, from one for all gears or from profiles by gear name."""
     if isinstance(tracks, Profile):
         return [tracks] * len(names)
     if not isinstance(tracks, Mapping):
@@ -23,7 +23,7 @@ def by_gear(names: tuple[str, ...], tracks: Profile | Mapping[str, Profile]) -> 
             raise InputError(f"tracks[{name!r}]: no such gear; there are {names}")
         if not isinstance(profile, Profile):
             raise InputError(f"tracks[{name!r}] = {profile!r} is not a Profile")
-    # What is alike is one track: gears on one are cheaper than gears on two.
+    # Equal profiles become one track: gears that share one take less work.
     alike: list[Profile] = []
     for name in names:
         profile = tracks.get(name, _LEVEL)

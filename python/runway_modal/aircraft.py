@@ -41,12 +41,13 @@ class Gear:
         Stiffness k of strut and tire in series, > 0 [force/length].
     damping : float
         Damping c, ≥ 0 [force·time/length]. It gives the default damping ratios of
-        `Aircraft.modes`; in ground input and loads it counts with ``damping_input=True`` only.
+        `Aircraft.modes`; it enters ground input and loads only with ``damping_input=True``.
 
     Raises
     ------
     InputError
-        If a value is not finite, the stiffness not positive or the damping negative.
+        If the name is empty or not a string, a value is not finite, the stiffness is not positive
+        or the damping is negative.
 
     Examples
     --------
@@ -89,7 +90,7 @@ class Gear:
         tire : float
             Stiffness of the tire, > 0 [force/length].
         damping : float
-            Damping of the whole, ≥ 0 [force·time/length].
+            Damping of the whole gear, ≥ 0 [force·time/length].
 
         Returns
         -------
@@ -121,9 +122,9 @@ class Aircraft:
     """
     A rigid aircraft on any number of linear gears (Eqs. 1-5).
 
-    Any consistent unit system will do; the report's is lbf, in, s, and so are the defaults that
-    have units: give `gravity` in any other. Bounce is positive up, pitch nose up [rad], roll left
-    side up [rad], accelerations up; loads are positive in compression.
+    Any consistent unit system will do. The report's is lbf, in, s, and so is that of the default
+    `gravity`: in any other system pass `gravity`, too. Bounce is positive up, pitch nose up [rad],
+    roll left side up [rad], accelerations up; loads are positive in compression.
 
     Parameters
     ----------
@@ -144,7 +145,7 @@ class Aircraft:
     ------
     InputError
         If a value is out of range, there is no gear, a gear name repeats, or the gears cannot
-        carry the weight, or only if one of them pulls on the runway.
+        carry the weight unless one of them pulls on the runway.
 
     Examples
     --------
@@ -222,32 +223,32 @@ class Aircraft:
         """
         Compression load of each gear in equilibrium on a level runway, shape (g,) [force].
 
-        From equilibrium alone where the gears are determinate; with more gears, as linear
-        springs under a rigid body share the weight.
+        From equilibrium alone where that determines the loads; with more gears, as linear springs
+        under a rigid body share the weight.
         """
         return read_only(self._core.static_load())
 
     def modes(self, damping_ratio: ArrayLike | None = None) -> Modes:
         """
-        Natural modes (Eqs. 6-8).
+        Compute the natural modes (Eqs. 6-8).
 
         Parameters
         ----------
         damping_ratio : float or array_like, shape (m,), optional
-            Damping ratios, one for all modes or one a mode [-]. Default: the diagonal of the
-            gears' dampers in modal coordinates (Eqs. 9, 11); `Modes.damping_coupling` tells
+            Damping ratios, one for all modes or one per mode [-]. Default: from the diagonal of
+            the gears' damping in modal coordinates (Eqs. 9, 11); `Modes.damping_coupling` shows
             what that neglects.
 
         Returns
         -------
         Modes
-            Modes in the order of rising frequency, each shape with its largest mass-weighted
+            Modes in order of increasing frequency, each shape with its largest mass-weighted
             component positive.
 
         Raises
         ------
         InputError
-            If a damping ratio is negative or not finite, or there is not one a mode.
+            If a damping ratio is negative or not finite, or there is not one per mode.
         NumericalError
             If the eigenvalue iteration does not converge.
 
@@ -268,7 +269,7 @@ class Aircraft:
 
     def with_stiffness(self, stiffness: Mapping[str, float]) -> Aircraft:
         """
-        Give some gears another stiffness.
+        Change the stiffness of some gears.
 
         Parameters
         ----------
@@ -278,12 +279,12 @@ class Aircraft:
         Returns
         -------
         Aircraft
-            The aircraft with those gears changed.
+            A new aircraft with those gears changed.
 
         Raises
         ------
         InputError
-            If a name is no gear's or a stiffness is not positive.
+            If a name is not that of a gear or a stiffness is not positive.
 
         Examples
         --------
@@ -349,7 +350,7 @@ _F4E_STIFFNESS = {"static": (1502.0, 9102.0), "equivalent": (1508.0, 8081.0)}
 
 def f4e(stiffness: Literal["static", "equivalent"] = "static") -> Aircraft:
     """
-    F-4E of the report, heavy weight, in lbf, in and s (Table 1).
+    F-4E of the report at heavy weight, in lbf, in and s (Table 1).
 
     Parameters
     ----------
@@ -407,12 +408,12 @@ def single_dof(
     damping_ratio : float
         Damping ratio ζ, ≥ 0 [-].
     gravity : float
-        Gravity, ≥ 0 [length/time²].
+        Gravity, ≥ 0 [length/time²]. Default: 9.80665 m/s² in inches.
 
     Returns
     -------
     Modes
-        One mode of an aircraft with the one gear "gear".
+        The one mode of an aircraft with a single gear, named "gear".
 
     Raises
     ------
@@ -437,7 +438,7 @@ def single_dof(
         raise InputError(f"damping_ratio = {ratio!r} is not a finite number ≥ 0")
     gear = Gear("gear", 0.0, 0.0, mass * omega**2, 2.0 * ratio * omega * mass)
     aircraft = Aircraft(
-        # Nothing turns: any inertias do.
+        # Nothing rotates: any inertias will do.
         mass=mass,
         pitch_inertia=mass,
         roll_inertia=mass,

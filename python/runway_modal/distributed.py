@@ -1,4 +1,4 @@
-"""Monte Carlo on many machines: runs shared out over a dask cluster (extra ``dask``)."""
+"""Monte Carlo on many machines: runs distributed over a dask cluster (extra ``dask``)."""
 
 from __future__ import annotations
 
@@ -28,37 +28,39 @@ def monte_carlo(
     **options: Unpack[Options],
 ) -> Ensemble:
     """
-    Share the runs of a `runway_modal.monte_carlo` out over the workers of a cluster.
+    Distribute the runs of `runway_modal.monte_carlo` over the workers of a cluster.
 
-    A run is the same to the last bit wherever it is computed, and so is the result, whatever the
-    workers and their number. The chunks of a worker that dies are given to others.
+    A run, and so the result, is the same to the last bit whichever workers compute it and however
+    many there are. The chunks of a worker that dies go to other workers.
 
     Parameters
     ----------
     client : distributed.Client
-        Of a cluster whose workers have this version of the package.
+        Client of a cluster whose workers have this version of the package.
     modes : Modes
         As for `runway_modal.monte_carlo`.
     roughness : Roughness
         As for `runway_modal.monte_carlo`.
     chunk : int
-        Runs a task.
+        Runs per task.
     **options
         The keyword arguments of `runway_modal.monte_carlo`.
 
     Returns
     -------
     Ensemble
-        As `runway_modal.monte_carlo` gives it.
+        As returned by `runway_modal.monte_carlo`.
 
     Raises
     ------
     InputError
         If an argument is of the wrong kind or out of range.
+    NumericalError
+        If a result leaves the range of double precision, unless that run is to be masked.
 
     Examples
     --------
-    A cluster of threads in this process; any other's address will do as well:
+    A cluster of threads in this process; a client of any other cluster will do as well:
 
     >>> import runway_modal as rm
     >>> from distributed import Client
@@ -72,6 +74,6 @@ def monte_carlo(
     True
     """
     parts = chunks(modes, roughness, options, chunk)
-    # Not pure: a result that another call left in the cluster is not looked for.
+    # Not pure: results that another call left in the cluster are not reused.
     futures = client.map(Chunk.compute, parts, pure=False)
     return joined(future.result() for future in futures)

@@ -1,4 +1,4 @@
-"""Many runs at once: extremes and mean squares, without their histories."""
+"""Many runs at once: extremes and root mean squares, without time histories."""
 
 from __future__ import annotations
 
@@ -30,20 +30,23 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Estimate:
     """
-    What a sample of runs tells, with its confidence interval.
+    Estimates from a sample of runs, with confidence intervals.
+
+    Returned by `Ensemble.mean`, `Ensemble.quantile` and `Ensemble.exceedance`.
 
     Parameters
     ----------
     names : tuple of str
         The gears or stations, in the order of the columns.
     asked : ndarray, shape (k,)
-        The probabilities or levels asked for, in the order of the rows; NaN of a mean.
+        Probabilities or levels asked for, in the order of the rows; NaN for a mean.
     value : ndarray, shape (k, c)
-        A row a probability or level asked for, or the one of a mean; a column a gear or station.
+        Estimates: one row per probability or level, or a single row for a mean; one column per
+        gear or station.
     low : ndarray, shape (k, c)
-        Lower end of the interval; -inf where runs are too few to tell.
+        Lower ends of the intervals; -inf where runs are too few for a bound.
     high : ndarray, shape (k, c)
-        Upper end; inf where runs are too few to tell.
+        Upper ends; inf where runs are too few for a bound.
 
     Examples
     --------
@@ -67,7 +70,7 @@ class Estimate:
     high: NDArray[np.float64]
 
     def __repr__(self) -> str:
-        """Make a table: a line a row, and its interval."""
+        """Make a table: each row followed by its interval."""
         rows: list[tuple[str | float, ...]] = [("", *self.names)]
         for asked, *parts in zip(self.asked, self.value, self.low, self.high, strict=True):
             heads = ("mean" if np.isnan(asked) else f"{asked:g}", "  from", "  to")
@@ -78,17 +81,18 @@ class Estimate:
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ensemble:
     """
-    What many runs come to, a row a run. `simulate_many` makes it.
+    Statistics of many runs, one row per run.
 
-    A run that could not be computed holds NaN and is named in `failures`; quantiles,
-    exceedances and the worst runs leave it out. Arrays are read-only.
+    Returned by `simulate_many` and `monte_carlo`. A run that could not be computed holds NaN and
+    is listed in `failures`; means, quantiles, exceedances and the worst runs leave it out. Arrays
+    are read-only.
 
     Parameters
     ----------
     gear_names : tuple of str
         Names of the gears, in the order of the columns.
     setup : mapping
-        What all runs have in common, in plain numbers and words; `merge` compares it.
+        What all runs share, in plain numbers and words; `merge` compares it.
     run : ndarray, shape (n,)
         Numbers of the runs.
     speed : ndarray, shape (n,)
@@ -100,11 +104,11 @@ class Ensemble:
     min_load : ndarray, shape (n, g)
         Smallest compression load of each gear, between stations too [force].
     rms_load : ndarray, shape (n, g)
-        Root mean square over time of the dynamic load, load less static load [force].
+        Root mean square over time of the dynamic load (load minus static load) [force].
     max_acceleration : dict of str to ndarray, shape (n,)
         Largest magnitude of vertical acceleration at each station [length/time²].
     rms_acceleration : dict of str to ndarray, shape (n,)
-        Its root mean square over time [length/time²].
+        Root mean square over time of the vertical acceleration there [length/time²].
     failures : dict of int to str
         Why runs could not be computed, by run number.
 
@@ -138,13 +142,13 @@ class Ensemble:
         """
         Whether each gear's load reaches zero in a run, shape (n, g).
 
-        Past that the linear model, in which a gear may pull on the runway, no longer holds.
+        Beyond that the linear model, in which a gear may pull on the runway, does not hold.
         """
         return self.min_load <= 0.0
 
     def merge(self, other: Ensemble) -> Ensemble:
         """
-        Put two parts of one ensemble together, in the order of their run numbers.
+        Merge two parts of one ensemble, in the order of their run numbers.
 
         Parameters
         ----------
@@ -159,7 +163,7 @@ class Ensemble:
         Raises
         ------
         InputError
-            If the set-ups differ or a run is in both.
+            If `other` is not an `Ensemble`, the set-ups differ or a run is in both.
 
         Examples
         --------
@@ -206,7 +210,7 @@ class Ensemble:
         )
 
     def _of(self, quantity: str) -> NDArray[np.float64]:
-        """Values of a quantity, a row a run, a column a gear or station."""
+        """Values of a quantity, one row per run, one column per gear or station."""
         if quantity not in DIMENSIONS:
             there = tuple(DIMENSIONS)
             raise InputError(f"quantity = {quantity!r}: no such quantity; there are {there}")
@@ -214,7 +218,7 @@ class Ensemble:
         return np.column_stack(list(values.values())) if isinstance(values, dict) else values
 
     def _sorted(self, quantity: str) -> NDArray[np.float64]:
-        """Values of a quantity over the valid runs, ascending, a column a gear or station."""
+        """Values of a quantity over the valid runs, ascending, one column per gear or station."""
         values = self._of(quantity)[self.valid]
         if values.shape[0] == 0:
             raise InputError("no run could be computed")
@@ -222,24 +226,25 @@ class Ensemble:
 
     def mean(self, quantity: str, *, confidence: float = 0.95) -> Estimate:
         """
-        Estimate the mean over all runways, with the interval that the central limit gives.
+        Estimate the mean over all runways, with an interval from the central limit theorem.
 
         Parameters
         ----------
         quantity : str
             One of "max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration".
         confidence : float
-            Probability with which an interval holds the true mean, if the runs are many [-].
+            Probability that an interval contains the true mean, if runs are many [-].
 
         Returns
         -------
         Estimate
-            One row, a column a gear or station; of one run the interval has no ends.
+            One row, one column per gear or station; a single run gives no finite interval.
 
         Raises
         ------
         InputError
-            If the quantity is unknown.
+            If the quantity is unknown, no run could be computed or, with two runs or more,
+            `confidence` is not between 0 and 1.
 
         Examples
         --------
@@ -279,17 +284,18 @@ class Ensemble:
         probability : array_like, shape (k,), or float
             Share of the runs below, between 0 and 1 [-].
         confidence : float
-            Least probability with which an interval holds the true quantile [-].
+            Least probability that an interval contains the true quantile [-].
 
         Returns
         -------
         Estimate
-            A row a probability, a column a gear or station.
+            One row per probability, one column per gear or station.
 
         Raises
         ------
         InputError
-            If the quantity is unknown or a probability is not between 0 and 1.
+            If the quantity is unknown, a probability or `confidence` is not between 0 and 1, or
+            no run could be computed.
 
         Examples
         --------
@@ -319,11 +325,10 @@ class Ensemble:
 
     def exceedance(self, quantity: str, level: ArrayLike, *, confidence: float = 0.95) -> Estimate:
         """
-        Estimate the probability that a run goes beyond a level.
+        Estimate the probability of exceeding a level (for `min_load`: of being at or below it).
 
-        Beyond is above, for smallest loads at or below: as `plot_exceedance` draws it.
-        The interval is Wilson's (1927): the levels' true probabilities for which the share of
-        the runs seen above would not be surprising.
+        Wilson's (1927) interval: the true probabilities for which the share of runs observed
+        would not be surprising. `plot_exceedance` draws both.
 
         Parameters
         ----------
@@ -332,17 +337,18 @@ class Ensemble:
         level : array_like, shape (k,), or float
             Levels, in the unit of the quantity.
         confidence : float
-            Probability with which an interval holds the true one, nearly [-].
+            Approximate probability that an interval contains the true probability [-].
 
         Returns
         -------
         Estimate
-            A row a level, a column a gear or station.
+            One row per level, one column per gear or station.
 
         Raises
         ------
         InputError
-            If the quantity is unknown or a level is not a number.
+            If the quantity is unknown, a level is not a number, `confidence` is not between 0 and
+            1, or no run could be computed.
 
         Examples
         --------
@@ -374,16 +380,16 @@ class Ensemble:
 
     def worst(self, at: str, count: int = 10, *, quantity: str = "max_load") -> NDArray[np.int64]:
         """
-        Name the runs that are worst for a gear or station, worst first.
+        List the runs that are worst for a gear or station, worst first.
 
-        Worst are the largest values, of smallest loads the smallest.
+        The worst runs have the largest values, or for `min_load` the smallest.
 
         Parameters
         ----------
         at : str
             Name of the gear, or of the station for accelerations.
         count : int
-            How many runs.
+            Number of runs to list.
         quantity : str
             One of "max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration".
 
@@ -395,11 +401,11 @@ class Ensemble:
         Raises
         ------
         InputError
-            If there is no such gear, station or quantity, or the count is no whole number ≥ 0.
+            If there is no such gear, station or quantity, or `count` is not a whole number ≥ 0.
 
         Examples
         --------
-        Numbers are not rows where runs do not begin at 0:
+        Run numbers are not row numbers unless the first run is 0:
 
         >>> import numpy as np, runway_modal as rm
         >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
@@ -429,18 +435,18 @@ class Ensemble:
         units: Units | None = None,
     ) -> Axes:
         """
-        Draw a quantity's histogram for each gear or station; loads with the static load.
+        Draw a histogram of a quantity for each gear or station; load extremes with static loads.
 
         Parameters
         ----------
         quantity : str
             One of "max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration".
         names : sequence of str, optional
-            Which gears or stations. Default: all.
+            Gears or stations to draw. Default: all.
         ax : matplotlib.axes.Axes, optional
-            Where. Default: a new figure.
+            Axes to draw on. Default: those of a new figure.
         units : Units, optional
-            Units of the ensemble, for the axes: loads in lbf and N are drawn in kip and kN,
+            Units of the ensemble, for the axis labels: loads in lbf and N are drawn in kip and kN,
             accelerations in g.
 
         Returns
@@ -451,7 +457,8 @@ class Ensemble:
         Raises
         ------
         InputError
-            If there is no such quantity, gear or station, or no run could be computed.
+            If there is no such quantity, gear or station, no run could be computed, or `units` is
+            not a `Units`.
         ImportError
             If matplotlib is not installed.
 
@@ -479,33 +486,33 @@ class Ensemble:
         units: Units | None = None,
     ) -> Axes:
         """
-        Draw the probability that a run goes beyond a level, with its confidence band.
+        Draw the probability of exceeding a level, with its confidence band.
 
-        Beyond is above, for smallest loads below. The band is that of `exceedance`, level by
-        level.
+        For `min_load`, the probability of being at or below it. The band is that of `exceedance`
+        at each level.
 
         Parameters
         ----------
         quantity : str
             One of "max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration".
         names : sequence of str, optional
-            Which gears or stations. Default: all.
+            Gears or stations to draw. Default: all.
         confidence : float
-            Probability with which the band holds the true curve at a level, nearly [-].
+            Approximate probability that the band contains the true curve at a level [-].
         ax : matplotlib.axes.Axes, optional
-            Where. Default: a new figure.
+            Axes to draw on. Default: those of a new figure.
         units : Units, optional
             As for `plot`.
 
         Returns
         -------
         matplotlib.axes.Axes
-            The axes, probability in powers of ten.
+            The axes, with probability on a logarithmic scale.
 
         Raises
         ------
         InputError
-            As for `plot`.
+            As for `plot`, or if `confidence` is not between 0 and 1.
         ImportError
             If matplotlib is not installed.
 
@@ -524,7 +531,7 @@ class Ensemble:
 
     def to_pandas(self, units: Units | None = None) -> pd.DataFrame:
         """
-        Give a table, a row a run (extra ``tables``).
+        Make a table, one row per run (extra ``tables``).
 
         Parameters
         ----------
@@ -538,6 +545,8 @@ class Ensemble:
 
         Raises
         ------
+        InputError
+            If `units` is not a `Units`.
         ImportError
             If pandas is not installed.
 
@@ -570,6 +579,8 @@ class Ensemble:
 
         Raises
         ------
+        InputError
+            If `units` is not a `Units`.
         ImportError
             If xarray is not installed.
 
@@ -590,7 +601,7 @@ class Ensemble:
         return int(self.run.size)
 
     def __repr__(self) -> str:
-        """Say how many runs, which gears, how many failures."""
+        """Tell how many runs, which gears, how many failures."""
         failed = f"{len(self.failures)} failed" if self.failures else "none failed"
         return f"<Ensemble: {len(self)} runs, gears {', '.join(self.gear_names)}, {failed}>"
 
@@ -608,38 +619,38 @@ def simulate_many(
     """
     Roll an aircraft over many equally spaced profiles; exact in continuous time, like `simulate`.
 
-    Nothing but extremes and mean squares is kept. They run from t = 0, when the foremost gear
-    is at the first station, until the last gear passes the last station. Extremes are true, found
-    between stations too, and mean squares are integrals in closed form. A gear's distance behind
-    the foremost one may be any share of the spacing. A run gives the same bits alone, in any
-    batch and on any number of threads (as many as cores; the environment variable
-    ``RAYON_NUM_THREADS`` says otherwise).
+    Only extremes and root mean squares are kept. They cover the time from t = 0, when the foremost
+    gear is at the first station, until the last gear passes the last station. Extremes are true,
+    between stations too, and mean squares are closed-form integrals. A gear's distance behind the
+    foremost one need not be a multiple of the spacing. A run gives the same bits alone, in any
+    batch and on any number of threads (one per core, unless the environment variable
+    ``RAYON_NUM_THREADS`` sets another number).
 
     Parameters
     ----------
     modes : Modes or sequence of Modes
-        One for all runs, or one a run, of aircraft with the same gear and station names.
+        One for all runs, or one per run, of aircraft with the same gear and station names.
     elevations : array_like, shape (n, t, s)
-        Elevations of n runs at s stations, first one at 0: t = 1 track under all gears, or one
-        a gear in the aircraft's order. float64 or float32, which is computed with in float64
-        [length].
+        Elevations of n runs at s stations, the first station at 0: t = 1 track under all gears,
+        or one per gear in the aircraft's order. float64, or float32 to save memory; the
+        computation is in float64 [length].
     spacing : float
         Distance between stations, > 0 [length].
     speed : float or array_like, shape (n,)
-        Ground speed, one for all runs or one a run, > 0 [length/time].
+        Ground speed, one for all runs or one per run, > 0 [length/time].
     damping_input : bool
         Whether the gears' dampers take part in the ground input and the loads, as in `simulate`.
     on_error : {"raise", "mask"}
         What to do about runs with an elevation that is not finite, or a result that leaves the
-        range of double precision: raise for the first, or keep the others and mark these by NaN
-        and in `Ensemble.failures`. Speeds out of range are refused in either case.
+        range of double precision: raise for the first, or keep the other runs and mark these with
+        NaN and in `Ensemble.failures`. Speeds out of range are refused in either case.
     first_run : int
         Number of the first run.
 
     Returns
     -------
     Ensemble
-        A row a run.
+        One row per run.
 
     Raises
     ------
@@ -650,10 +661,10 @@ def simulate_many(
 
     Notes
     -----
-    With `damping_input` a load jumps where a slope begins or ends: at the last station both sides
-    count. The mean square of an acceleration is a difference of terms some ζ⁴ as large where a mode
-    is damped far beyond critical: `rms_acceleration` is off by 1e-13 of itself at a damping ratio
-    of 3, by 1e-10 at 100.
+    With `damping_input` a load jumps where a slope begins or ends; at the last station both sides
+    count. Where a mode is damped far beyond critical, the mean square of an acceleration is a
+    difference of terms about ζ⁴ times as large: the relative error of `rms_acceleration` is 1e-13
+    at a damping ratio of 3 and 1e-10 at 100.
 
     Examples
     --------
@@ -669,7 +680,7 @@ def simulate_many(
     _check_modes(each, one=isinstance(modes, Modes), runs=runs)
     damping_input = flag("damping_input", damping_input)
     mask = masks(on_error)
-    # Ensembles number their runs in 63 bits.
+    # Run numbers of ensembles have 63 bits.
     first_run = integer("first_run", first_run, 0, 2**63 - runs + 1)
     speeds = any_array("speed", speed)
     if speeds.ndim == 0:
@@ -677,7 +688,7 @@ def simulate_many(
     else:
         speeds = array("speed", speeds)
         if speeds.size != runs:
-            raise InputError(f"speed has {speeds.size} entries, {runs} expected (one a run)")
+            raise InputError(f"speed has {speeds.size} entries, {runs} expected (one per run)")
     names = list(each[0].aircraft.stations)
     h = number("spacing", spacing)
     results, failed = _core.simulate_many(
@@ -693,7 +704,7 @@ def simulate_many(
     aircraft = each[0].aircraft
     of_modes = describe(each[0])
     if not isinstance(modes, Modes):
-        of_modes = {"gears": list(aircraft.gear_names), "stations": names, "modes": "one a run"}
+        of_modes = {"gears": list(aircraft.gear_names), "stations": names, "modes": "one per run"}
     setup = {
         **of_modes,
         "tracks": tracks,
@@ -732,7 +743,7 @@ def _elevations(values: ArrayLike) -> NDArray[Any]:
         raise InputError(f"elevations{index} is masked")
     if given.ndim != 3 or 0 in given.shape:
         raise InputError(
-            f"elevations has shape {given.shape}; runs, tracks and stations expected, none 0"
+            f"elevations has shape {given.shape}, (runs, tracks, stations) expected, none of them 0"
         )
     single = given.dtype == np.float32
     return np.ascontiguousarray(given, dtype=np.float32 if single else np.float64)
@@ -741,7 +752,7 @@ def _elevations(values: ArrayLike) -> NDArray[Any]:
 def _check_modes(each: list[Modes], *, one: bool, runs: int) -> None:
     """Check that each is a Modes, and all are of aircraft with the same names."""
     if not one and len(each) != runs:
-        raise InputError(f"modes has {len(each)} entries, {runs} expected (one a run)")
+        raise InputError(f"modes has {len(each)} entries, {runs} expected (one per run)")
     for i, modes in enumerate(each):
         check_modes(f"modes[{i}]", modes)
         for kind in ("gear_names", "stations"):
@@ -751,7 +762,7 @@ def _check_modes(each: list[Modes], *, one: bool, runs: int) -> None:
 
 
 def describe(modes: Modes) -> dict[str, Any]:
-    """Tell what of an aircraft and its modes decides results, in plain numbers as JSON has them."""
+    """List what determines the results of an aircraft and its modes, in plain numbers for JSON."""
     aircraft = modes.aircraft
     gears = [[gear.name, gear.x, gear.y, gear.stiffness, gear.damping] for gear in aircraft.gears]
     return {
@@ -766,19 +777,19 @@ def describe(modes: Modes) -> dict[str, Any]:
 
 
 def _normal(confidence: float) -> float:
-    """Half width, in standard deviations, of a normal distribution's middle."""
+    """Half width of a normal distribution's central interval, in standard deviations."""
     return NormalDist().inv_cdf(0.5 + float(_shares("confidence", confidence)) / 2.0)
 
 
 def masks(on_error: str) -> bool:
-    """Whether runs that give no result are masked."""
+    """Check `on_error`: whether runs that give no result are masked."""
     if on_error not in ("raise", "mask"):
         raise InputError(f'on_error = {on_error!r} is neither "raise" nor "mask"')
     return on_error == "mask"
 
 
 def _shares(argument: str, values: ArrayLike) -> NDArray[np.float64]:
-    """Pass numbers strictly between 0 and 1."""
+    """Check numbers strictly between 0 and 1."""
     given = array(argument, values, ndim=None)
     refuse(argument, given, ~((given > 0.0) & (given < 1.0)), "is not between 0 and 1")
     return given
@@ -786,10 +797,10 @@ def _shares(argument: str, values: ArrayLike) -> NDArray[np.float64]:
 
 def _ranks(runs: int, probability: float, tail: float) -> tuple[int, int]:
     """
-    Ranks of the order statistics between which a quantile lies, but for `tail` on either side.
+    Ranks of the order statistics that enclose a quantile, except for `tail` on either side.
 
-    Rank 0 stands for -inf, rank `runs` + 1 for inf. Of B runs below the quantile, binomial, the
-    lower rank r is the largest with P(B < r) <= tail, the upper the smallest with
+    Rank 0 stands for -inf, rank `runs` + 1 for inf. The number B of runs below the quantile is
+    binomial: the lower rank r is the largest with P(B < r) <= tail, the upper the smallest with
     P(B >= r) <= tail.
     """
     width = 12.0 * math.sqrt(runs * probability * (1.0 - probability)) + 40.0

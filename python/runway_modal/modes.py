@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def check_modes(argument: str, value: object) -> None:
-    """Refuse what is not a `Modes`; an aircraft is the likely mistake."""
+    """Refuse anything but a `Modes`; an aircraft is the likely mistake."""
     if not isinstance(value, Modes):
         raise InputError(f"{argument} = {value!r} is not a Modes; see Aircraft.modes")
 
@@ -30,52 +30,53 @@ class Modes:
     """
     Modes of an aircraft: frequencies, damping ratios and shapes (Eqs. 6-11).
 
-    `Aircraft.modes` computes an aircraft's own. This constructor takes measured ones, as many
-    as were measured. Response then follows from Eq. 12 with these modes and the aircraft's gear
+    `Aircraft.modes` computes them. This constructor takes measured modes, however many were
+    measured. The response then follows from Eq. 12 with these modes and the aircraft's gear
     stiffnesses, and loads from Eq. 21.
 
     Parameters
     ----------
     aircraft : Aircraft
-        The aircraft they were measured on.
+        The aircraft on which the modes were measured.
     omega : array_like, shape (m,)
         Circular frequencies [rad/s].
     damping_ratio : float or array_like, shape (m,)
         Damping ratios, ≥ 0 [-].
     shapes : array_like, shape (3, m)
         Mode shapes {bounce, pitch, roll}, positive up, nose up [rad] and left side up [rad], one
-        a column, orthonormal with respect to the mass matrix (Eq. 7) within 5e-3 a term: three
-        printed digits suffice. A shape φ of any size is brought there by φ / √(φᵀMφ).
+        per column, orthonormal with respect to the mass matrix (Eq. 7) within 5e-3 per term:
+        three printed digits suffice. To normalise a shape φ, divide it by √(φᵀMφ).
     static_correction : bool, default False
-        Whether the aircraft follows the runway by its own static position on its gears, and the
-        modes carry what deviates from that; see Notes. Without effect on all of an aircraft's own
-        modes.
+        If True, the body follows the runway by the aircraft's static position, and the modes add
+        only their deviation from their own static position; see Notes. It has no effect on the
+        complete set of an aircraft's computed modes.
 
     Raises
     ------
     InputError
-        If a value is out of range, shapes disagree or the shapes are not orthonormal.
+        If a value is out of range, array shapes disagree or the mode shapes are not orthonormal.
 
     Notes
     -----
-    Measured frequencies that do not belong to the gear stiffnesses, or fewer modes than the
-    aircraft has, do not follow a rise of the runway to the full static height. As Eqs. 12 and 21
-    stand, loads are right about the elevations on which the run starts, and wrong on a plateau or
-    a grade: with frequencies 1 % high a main gear of the F-4E seems to carry 179 lbf more for
-    every inch that it has climbed.
+    If measured frequencies do not match the gear stiffnesses, or there are fewer modes than the
+    aircraft has, the modes do not follow a rise of the runway to the full static height. With
+    Eqs. 12 and 21 as they stand, loads are right near the elevations on which the run starts, and
+    wrong on a plateau or a grade: with frequencies 1 % too high, a main gear of the F-4E seems to
+    carry 179 lbf more for every inch that it has climbed.
 
-    `static_correction` takes the body's displacement y = Φp in Eqs. 19 to 21 as
+    `static_correction` replaces the body's displacement y = Φp in Eqs. 19 to 21 by
 
         y = K⁻¹K₁u + Φ (p − ω⁻²ΦᵀK₁u)
 
-    with the ground's elevations u, the stiffness matrix K of the gears and their pushes K₁u
-    (Eq. 4): the static position on the gears, and the modes' deviation from theirs. Loads on a
-    plateau are then the static ones. What the modes lack follows the ground at once, without
-    inertia: right for frequencies that are a little off and for modes much faster than what the
-    runway excites; slower ones are not to be left out. Accelerations are those of the modes. It
-    is the static correction method of structural dynamics (A. K. Chopra, Dynamics of Structures,
-    chapter 12). Another way is to make the two agree: stiffnesses times the square of measured
-    over computed frequency (`Aircraft.with_stiffness`).
+    with u the elevations under the gears, K the gears' stiffness matrix and K₁u the forces that
+    the elevations exert through the gears (Eq. 4): the static position on the gears, plus the
+    deviation of the modes from their own. Loads on a plateau are then the static ones. What the
+    modes lack follows the ground at once, without inertia: right for frequencies that are slightly
+    off and for missing modes much faster than what the runway excites; slower modes must not be
+    left out. Accelerations are those of the modes. This is the static correction method of
+    structural dynamics (A. K. Chopra, Dynamics of Structures, chapter 12). Alternatively, make the
+    two agree: multiply stiffnesses by the square of measured over computed frequency
+    (`Aircraft.with_stiffness`).
 
     Examples
     --------
@@ -106,7 +107,7 @@ class Modes:
     damping_ratio: NDArray[np.float64]
     #: Mode shapes, shape (3, m): rows bounce, pitch, roll; ΦᵀMΦ = I (Eq. 7).
     shapes: NDArray[np.float64]
-    #: Whether the aircraft's own static position carries what the modes lack.
+    #: Whether the body follows the runway by the aircraft's static position.
     static_correction: bool
     _core: CoreModes
     _rebuild: tuple[Callable[..., Modes], tuple[Any, ...]]
@@ -145,10 +146,10 @@ class Modes:
         if damping_ratio is not None:
             given = any_array("damping_ratio", damping_ratio)
             ratio = array("damping_ratio", given.reshape(1) if given.ndim == 0 else given)
-            # One number stands for all modes; an array says each.
+            # One number stands for all modes; an array gives one for each.
             if given.ndim == 1 and given.size == 1 and np.linalg.matrix_rank(aircraft.geometry) > 1:
                 raise InputError(
-                    "damping_ratio has 1 entry, one a mode expected; pass a number for all"
+                    "damping_ratio has 1 entry, one per mode expected; pass a number for all"
                 )
         modes = cls.__new__(cls)
         core = _core.Modes.natural(aircraft._core, ratio)
@@ -172,20 +173,20 @@ class Modes:
     @property
     def node(self) -> NDArray[np.float64]:
         """
-        Where on the centreline each mode stands still, shape (m,) [length].
+        Point of the centreline that each mode leaves at rest, shape (m,) [length].
 
-        Forward of the centre of gravity. Infinite for pure bounce, NaN for a mode that leaves
-        the whole centreline at rest (roll).
+        Measured forward of the centre of gravity. Infinite for pure bounce, NaN for a mode that
+        leaves the whole centreline at rest (roll).
         """
         return read_only(self._core.node())
 
     @property
     def damping_coupling(self) -> NDArray[np.float64]:
         """
-        What is neglected with the off-diagonal damping terms (Eq. 9), shape (m, m) [-].
+        Relative size of the neglected off-diagonal damping terms (Eq. 9), shape (m, m) [-].
 
         ``|C_ij| / sqrt(C_ii C_jj)`` with C the gears' damping in modal coordinates; 0 on the
-        diagonal, which is kept, and where a mode has no damper.
+        diagonal, which is kept, and where a mode has no damping.
         """
         return read_only(self._core.damping_coupling())
 
@@ -203,7 +204,7 @@ class Modes:
         return hash((self.aircraft, tuple(self.omega.tolist())))
 
     def __reduce__(self) -> tuple[Callable[..., Modes], tuple[Any, ...]]:
-        """Pickle by what the modes were made of."""
+        """Pickle by the arguments the modes were made from."""
         return self._rebuild
 
     def __repr__(self) -> str:

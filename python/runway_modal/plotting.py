@@ -11,11 +11,11 @@ import numpy as np
 from ._axes import (
     DASHES,
     axis_label,
-    dot,
     legend_above,
     line_style,
     load_unit,
     mark_static,
+    marker,
     new_axes,
     require,
     shown,
@@ -49,26 +49,27 @@ def loads_over_profile(
     Parameters
     ----------
     responses : mapping of str to Response
-        Runs, linear or not, by the label of their line. Where their tracks differ, or their speeds
-        if against time, each has its elevations.
+        Runs, linear or nonlinear, by the label of their line. Runs over different ground (against
+        time, also at different speeds) each have their own line of elevations.
     gears : mapping of str to str
-        Gears to show, one panel each, by the title of their panel.
+        Gears to show, one panel each: the label of the panel by gear name.
     title : str
         Title of the figure.
     units : Units, optional
-        Units of the responses, for the axes; loads in lbf and N are drawn in kip and kN.
+        Units of the responses, for the axis labels; loads in lbf and N are drawn in kip and kN.
     against : {"time", "distance"}
-        Abscissa; distance where the runs differ in speed.
+        Abscissa; use distance where the runs differ in speed.
 
     Returns
     -------
     matplotlib.figure.Figure
-        The figure: loads with the static load as a line, elevations below.
+        The figure: loads with the static load as a dashed line, elevations below.
 
     Raises
     ------
     InputError
-        If there is no such gear, or no response.
+        If a gear is unknown, there is no gear or no response, or another argument is of the wrong
+        kind.
     ImportError
         If matplotlib is not installed.
 
@@ -138,17 +139,17 @@ def _draw_loads(
     there = ax.get_legend_handles_labels()[1]
     for i, (label, response, column) in enumerate(lines, len(there) - there.count("static")):
         load = response.load[:, column]
-        # Gears that move as one would hide each other.
+        # Equal curves would hide each other.
         hidden = sum(np.array_equal(load, other) for other in drawn)
         drawn.append(load)
         color, dashes = line_style(i)
         turn = DASHES.index(dashes) + hidden
-        # Of the dashes from there on those that no line of this colour has, if there are any.
+        # From there on, the first dashes that no line of this colour has yet, if there are any.
         taken = [line.get_linestyle() for line in ax.lines if line.get_color() == color]
         turns = [DASHES[(turn + k) % len(DASHES)] for k in range(len(DASHES))]
         dashes = next((one for one in turns if one not in taken), turns[0])
         at = getattr(response, against)
-        ax.plot(at, load / scale, color=color, marker=dot(at), ls=dashes, lw=1.4, label=label)
+        ax.plot(at, load / scale, color=color, marker=marker(at), ls=dashes, lw=1.4, label=label)
     static = dict.fromkeys(float(run.static_load[column]) / scale for _, run, column in lines)
     for i, level in enumerate(static):
         mark_static(ax, level, "0.35", "" if i or "static" in there else "static")
@@ -163,7 +164,7 @@ def _draw_elevations(
     units: Units | None,
     against: str,
 ) -> None:
-    """Draw the elevations under gears by label; gears and runs over the same share a line."""
+    """Draw the elevations under gears by label; equal elevations share a line."""
     from matplotlib.lines import Line2D
 
     grounds: dict[str, Results] = {}
@@ -174,7 +175,7 @@ def _draw_elevations(
     drawn: list[NDArray[np.float64]] = []
     keys: dict[tuple[str, str], None] = {}
     for run_name, response in grounds.items():
-        # Its loads' colour; black where the runs share the ground.
+        # The colour of its loads; black where the runs share the ground.
         place = list(responses).index(run_name)
         color = "k" if len(grounds) == 1 else line_style(place)[0]
         lines: dict[bytes, tuple[NDArray[np.float64], list[str]]] = {}
@@ -182,11 +183,11 @@ def _draw_elevations(
             elevation = response.elevation[:, column]
             lines.setdefault(elevation.tobytes(), (elevation, []))[1].append(label)
         for i, (elevation, labels) in enumerate(lines.values()):
-            # A title's word goes on in small letters, a letter that is a name does not.
+            # Within the label a word is not capitalised; a name of one letter stays as it is.
             words = (each[0].lower() + each[1:] if each[1:2].islower() else each for each in labels)
             dashes = ("-", "--", ":", "-.")[i % 4]
             at = getattr(response, against)
-            ax.plot(at, elevation, color=color, marker=dot(at), ls=dashes, lw=1.1)
+            ax.plot(at, elevation, color=color, marker=marker(at), ls=dashes, lw=1.1)
             keys[f"under the {', '.join(words)}", dashes] = None
             drawn.append(elevation)
     handles = [Line2D([], [], color="k", ls=ls, lw=1.1, label=under) for under, ls in keys]
@@ -210,7 +211,7 @@ def _same_ground(
     for _, column in columns:
         mine = one.elevation[:, column]
         others = np.interp(at, there, other.elevation[:, column])
-        # By the area between: at a step samples may show either side.
+        # Areas are compared, not samples: at a step a sample may show either side.
         if area(others - mine) > 0.01 * max(area(mine - mine[0]), area(others - mine[0])):
             return False
     return True
@@ -220,7 +221,7 @@ def plot_profile(profile: Profile, ax: Axes | None, units: Units | None) -> Axes
     """Draw what `Profile.plot` documents."""
     ax = ax or new_axes()
     x, z = profile.x, profile.z
-    # The runway goes on, level, on both sides.
+    # The runway continues level on both sides.
     beyond = 0.1 * (x[-1] - x[0]) or 1.0
     stations = np.concatenate([[x[0] - beyond], x, [x[-1] + beyond]])
     ax.plot(stations, np.concatenate([z[:1], z, z[-1:]]), "k", lw=1.1)

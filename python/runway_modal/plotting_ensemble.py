@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .ensemble import Ensemble
     from .units import Units
 
-#: More would show the chance of the draw; levels of a curve.
+#: Most bins of a histogram (more would show sampling noise), and levels of a curve.
 _BINS, _LEVELS = 60, 300
 
 
@@ -28,7 +28,7 @@ def histograms_and_exceedances(
     ensembles: Mapping[str, Ensemble], title: str = "", *, units: Units | None = None
 ) -> Figure:
     """
-    Draw the largest gear loads of ensembles, a row each: their histogram and their exceedance.
+    Draw the largest gear loads of ensembles, one row each: histogram and exceedance.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def histograms_and_exceedances(
     title : str
         Title of the figure.
     units : Units, optional
-        Units of the ensembles, for the axes; loads in lbf and N are drawn in kip and kN.
+        Units of the ensembles, for the axis labels; loads in lbf and N are drawn in kip and kN.
 
     Returns
     -------
@@ -47,7 +47,7 @@ def histograms_and_exceedances(
     Raises
     ------
     InputError
-        If there is no ensemble, or no run of one could be computed.
+        If there is no ensemble, no run of one could be computed, or `units` is not a `Units`.
     ImportError
         If matplotlib is not installed.
 
@@ -112,7 +112,7 @@ def plot_histogram(
 def _mark_static(
     ax: Axes, ensemble: Ensemble, columns: Sequence[tuple[str, int]], scale: float
 ) -> None:
-    """Mark static loads by lines, each once; of runs with aircraft of their own there is none."""
+    """Mark each static load once with a line; none if it differs between runs."""
     static = ensemble.static_load[0]
     if not (ensemble.static_load == static).all():
         return
@@ -139,7 +139,7 @@ def plot_exceedance(
     ax = ax or new_axes()
     scale, unit = _scale(quantity, units)
     runs, below = values.shape[0], quantity in DOWNWARD
-    # As close in every power of ten; the last step ends at the extreme of all runs.
+    # Equally dense in every power of ten; the last step ends at the extreme of all runs.
     counts = np.unique(np.geomspace(1, runs, _LEVELS).astype(int))
     for i, (name, column) in enumerate(columns):
         one = values[:, column]
@@ -164,14 +164,14 @@ def plot_exceedance(
 def _columns(
     ensemble: Ensemble, quantity: str, names: Sequence[str] | None
 ) -> list[tuple[str, int]]:
-    """Names and columns of what is to be shown."""
+    """Names and columns of what is to be drawn."""
     there = labels(ensemble, quantity)
     kind = "gear" if DIMENSIONS[quantity] == FORCE else "station"
     return [(name, there.index(name)) for name in shown("names", names, there, kind)]
 
 
 def _scale(quantity: str, units: Units | None) -> tuple[float, str]:
-    """Divisor of a quantity for its axis, and its unit there."""
+    """Divisor for a quantity on its axis, and the unit to print there."""
     if DIMENSIONS[quantity] == FORCE:
         scale, unit = load_unit(units)
         return scale, unit.strip(" []")

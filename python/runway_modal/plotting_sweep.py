@@ -8,11 +8,11 @@ import numpy as np
 
 from ._axes import (
     STATIC_DASHES,
-    dot,
     legend_above,
     line_style,
     load_unit,
     mark_static,
+    marker,
     nested_width,
     new_axes,
     shown,
@@ -49,11 +49,11 @@ def plot_loads(
         width = nested_width(i, len(wanted))
         low, high = sweep.min_load[order, column] / scale, sweep.max_load[order, column] / scale
         for load, label in ((high, gear), (low, "")):
-            ax.plot(speed, load, color, ls=dashes, lw=width, marker=dot(speed), label=label)
+            ax.plot(speed, load, color, ls=dashes, lw=width, marker=marker(speed), label=label)
         ax.fill_between(speed, low, high, color=color, alpha=0.12, lw=0)
         mark_static(ax, sweep.static_load[column] / scale, color)
     if "static" not in ax.get_legend_handles_labels()[1]:
-        # The last in the legend, of no gear's colour.
+        # Last in the legend, in no gear's colour.
         ax.plot([], [], color="0.35", lw=0.9, ls=STATIC_DASHES, label="static")
     ax.axhline(0.0, color="0.35", lw=0.9)
     ax.set_ylabel(f"largest and smallest load{unit}")
@@ -72,7 +72,7 @@ def plot_accelerations(
     for i, station in enumerate(wanted):
         share = sweep.max_acceleration[station][order] / sweep.modes.aircraft.gravity
         color, dashes = line_style(i)
-        ax.plot(speed, share, color, ls=dashes, lw=1.3, marker=dot(speed), label=station)
+        ax.plot(speed, share, color, ls=dashes, lw=1.3, marker=marker(speed), label=station)
     ax.axhline(ACCELERATION_LIMIT, color="0.2", lw=0.9, ls="--", label="±0.4 g")
     ax.set_ylabel("largest |vertical acceleration| [g]")
     legend_above(ax)
@@ -81,7 +81,7 @@ def plot_accelerations(
 
 
 def _speed(ax: Axes, speed: NDArray[np.float64], units: Units | None) -> NDArray[np.float64]:
-    """Speeds as the abscissa: in knots where units are known."""
+    """Label the abscissa; return its speeds, in knots if units are given."""
     units = stated(units)
     ax.set_xlabel("ground speed [kt]" if units else "ground speed")
     ax.margins(x=0.0)

@@ -25,8 +25,8 @@ class Profile:
     Elevation of a runway against station, as straight lines between breakpoints.
 
     The runway is level before the first breakpoint and after the last. A repeated station
-    is a vertical step. One point is a level runway. Profiles never change: every operation
-    gives a new one.
+    is a vertical step. A single point is a level runway. Profiles are immutable: every
+    operation returns a new one.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class Profile:
         Parameters
         ----------
         stations : array_like
-            Where to look, of any shape [length].
+            Stations, an array of any shape [length].
 
         Returns
         -------
@@ -131,7 +131,8 @@ class Profile:
         Raises
         ------
         InputError
-            If `length` is not positive, `ramp` is negative or two ramps are longer than the mat.
+            If a value is not finite, `length` is not positive, `ramp` is negative or the two ramps
+            are longer than the mat.
 
         Examples
         --------
@@ -164,9 +165,10 @@ class Profile:
         """
         Mat over a repaired crater: pavement heaved up around it, fill settled beneath it.
 
-        From the level runway the heaved pavement rises in a straight line to the mat's edge, the
-        mat's own ramp is the second up-ramp, and the mat sags in a straight line to its middle;
-        then the same mirrored. Other shapes are sums: `mat` + `spall`, or `Profile(x, z)`.
+        From level runway the heaved pavement rises in a straight line to the mat's edge, the mat's
+        own ramp is the second up-ramp, and the mat sags in a straight line to its middle; the
+        other half is the mirror image. Make other shapes as sums, `mat` + `spall`, or with
+        `Profile(x, z)`.
 
         Parameters
         ----------
@@ -177,7 +179,7 @@ class Profile:
         settlement : float
             How far the mat's middle lies below its ends, positive down [length].
         upheaval_length : float
-            Length of heaved pavement before the mat, and after it; 0 for a lip [length].
+            Length of the heaved pavement on each side of the mat; 0 for a vertical lip [length].
         height : float
             Thickness of the mat [length]. Default: as for `mat`.
         ramp : float
@@ -193,14 +195,14 @@ class Profile:
         Raises
         ------
         InputError
-            If a value is not finite, `length` is not positive, `upheaval_length` is negative, or
-            the two ramps leave no mat between them.
+            If a value is not finite, `length` is not positive, `upheaval_length` or `ramp` is
+            negative, or the two ramps leave no mat between them.
 
         Notes
         -----
         The report's Figure 2 is "a mat profile with upheaval and settlement" in straight segments,
-        the "second up-ramp" among them. The figure is lost: this arrangement is inferred, and so
-        the amounts have no defaults.
+        the "second up-ramp" among them. The figure is lost: this arrangement is inferred,
+        which is why the amounts have no defaults.
 
         Examples
         --------
@@ -268,7 +270,7 @@ class Profile:
         cls, length: float, height: float, segments: int = 64, start: float = 0.0
     ) -> Profile:
         """
-        Smooth bump z = h/2 (1 - cos 2πx/L), as chords between equidistant points.
+        Smooth bump z = h/2 (1 - cos 2πx/L), as chords between equally spaced points.
 
         Parameters
         ----------
@@ -400,8 +402,8 @@ class Profile:
         ramp : float
             Length of each sloping edge [in]. Default inferred: sharp edges.
         spacing : float
-            From leading edge to leading edge, at least 24 [in]. Default inferred: two feet of
-            runway between them.
+            Distance between leading edges, at least 24 [in]. Default inferred: two feet of runway
+            between them.
 
         Returns
         -------
@@ -428,16 +430,16 @@ class Profile:
     @classmethod
     def sequence(cls, profiles: Sequence[Profile], gap: ArrayLike) -> Profile:
         """
-        Profiles one after another, with a gap of level runway after each.
+        Put profiles one after another, with gaps of level runway between them.
 
-        The first stays where it is. Each other is moved so that its first breakpoint comes `gap`
-        after the last breakpoint of the one before, and starts at the elevation where that ended.
-        Repairs at known stations are a sum: ``a.shifted(500.0) + b.shifted(2000.0)``.
+        The first stays where it is. Each of the others is moved so that its first breakpoint comes
+        `gap` after the last breakpoint of the one before, at the elevation where that ended. For
+        repairs at known stations use a sum: ``a.shifted(500.0) + b.shifted(2000.0)``.
 
         Parameters
         ----------
         profiles : sequence of Profile, length n
-            What follows what; at least one.
+            The profiles in order; at least one.
         gap : float or array_like, shape (n - 1,)
             Distance from the end of each to the start of the next, not negative [length].
 
@@ -449,8 +451,8 @@ class Profile:
         Raises
         ------
         InputError
-            If `profiles` is empty or holds something else, or a gap is negative, not finite, or
-            there is not one for each space between.
+            If `profiles` is empty or holds anything but profiles, a gap is negative or not finite,
+            or the number of gaps is not n - 1.
 
         Examples
         --------
@@ -461,7 +463,7 @@ class Profile:
                1356., 1452., 1464.])
         """
         if isinstance(profiles, Profile):
-            raise InputError(f"profiles = {profiles!r} is not a sequence of them")
+            raise InputError(f"profiles = {profiles!r} is not a sequence of Profile")
         given = list(profiles)
         if not given:
             raise InputError("profiles is empty")
@@ -473,7 +475,9 @@ class Profile:
         else:
             gaps = array("gap", gap)
         if gaps.size != len(given) - 1:
-            raise InputError(f"gap has {gaps.size} values, {len(given)} profiles need one fewer")
+            raise InputError(
+                f"gap has {gaps.size} entries, {len(given) - 1} expected (one fewer than profiles)"
+            )
         for i, value in enumerate(gaps.tolist()):
             if not 0 <= value < np.inf:
                 raise InputError(f"gap[{i}] = {value!r} is negative or not finite")
@@ -489,7 +493,7 @@ class Profile:
         return cls(np.concatenate(x), np.concatenate(z))
 
     def __add__(self, other: Profile) -> Profile:
-        """Sum of two profiles, with the breakpoints of both, one for what differs by rounding."""
+        """Sum of two profiles, with the breakpoints of both; those equal to rounding become one."""
         if not isinstance(other, Profile):
             return NotImplemented
         return self._wrap(self._core.sum(other._core))
@@ -505,7 +509,7 @@ class Profile:
         Parameters
         ----------
         dx : float
-            How far, positive to larger stations [length].
+            Distance, positive towards larger stations [length].
 
         Returns
         -------
@@ -527,17 +531,17 @@ class Profile:
 
     def detrended(self) -> Profile:
         """
-        Take out the grade: the straight line through the first and the last breakpoint.
+        Remove the grade: the straight line through the first and the last breakpoint.
 
-        A runway is level before and after its profile, so that a survey on a grade begins and ends
-        with a kink that no aircraft meets, and whose loads may well be the largest of the run. What
-        is taken out would load no gear but through the dampers.
+        A runway is level before and after its profile, so a survey on a grade begins and ends with
+        a kink that no aircraft meets, whose loads may well be the largest of the run. The line that
+        is removed would load gears only through their dampers.
 
         Returns
         -------
         Profile
-            The profile above that line: it begins and ends at elevation 0. A profile without
-            length is moved there.
+            The profile relative to that line: it begins and ends at elevation 0. A profile without
+            length is moved to begin there.
 
         Examples
         --------
@@ -561,12 +565,12 @@ class Profile:
 
         has the slope m′(x) = [z(x + L/2) − z(x − L/2)]/L. For straight lines and vertical steps
         in z that slope is piecewise linear and m continuous and piecewise quadratic, with a
-        breakpoint L/2 before and after each of z's. m is evaluated exactly there, and each
+        breakpoint L/2 before and after each one of z. m is evaluated exactly there, and each
         quadratic piece between is replaced by equal chords through exact values. A chord of length
         Δx departs from a quadratic by at most |m″| Δx²/8, reached at its middle; so a piece of
         length Δ over which the slope changes by Δm′ gets ceil(√(Δ |Δm′| / (8 tolerance))) chords
-        and is nowhere further from m than `tolerance`. Four times the chords, a sixteenth of
-        the error.
+        and is nowhere further from m than `tolerance`. Four times as many chords leave a
+        sixteenth of the error.
 
         Parameters
         ----------
@@ -590,11 +594,12 @@ class Profile:
         Notes
         -----
         The report leaves the footprint out and suggests it as a change of profile (Section IV.7).
-        The contact is rigid and evenly loaded, an approximation of a tire. Rounding adds some last
-        digits of the largest station in the contact length, range of z × spacing(x)/L, and of z:
-        measured to 1e5 breakpoints against exact arithmetic. Where the two ends of the contact pass
-        two breakpoints at once, but for the rounding of stations, there is one breakpoint: between
-        two the slope, which dampers feel, would be rounding.
+        The contact is rigid and evenly loaded, an approximation of a tire. Rounding errors are a
+        few units in the last place of the largest station relative to the contact length, (range
+        of z) × spacing(x)/L, and of z, as measured for up to 1e5 breakpoints against exact
+        arithmetic. Where the two ends of the contact pass two breakpoints at the same time except
+        for rounding, there is one breakpoint: between two, the slope, which acts on dampers, would
+        be rounding error.
 
         Examples
         --------
@@ -620,9 +625,9 @@ class Profile:
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Where. Default: a new figure.
+            Axes to draw on. Default: those of a new figure.
         units : Units, optional
-            Units of the profile, for the axes.
+            Units of the profile, for the axis labels.
 
         Returns
         -------
@@ -631,6 +636,8 @@ class Profile:
 
         Raises
         ------
+        InputError
+            If `units` is not a `Units`.
         ImportError
             If matplotlib is not installed.
 
@@ -649,7 +656,7 @@ class Profile:
         """Whether both have the same breakpoints."""
         if not isinstance(other, Profile):
             return NotImplemented
-        # To the bit, as hashes have it; profiles on one grid differ in their elevations.
+        # Bit by bit, like the hash; elevations first, as profiles often share their stations.
         mine, theirs = ([one.z.view(np.int64), one.x.view(np.int64)] for one in (self, other))
         return all(map(np.array_equal, mine, theirs))
 

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 #: The unit at the end of a heading: "station [m]" or "station (m)".
 _UNIT = re.compile(r"[\[(]([^][()]*)[\])]$")
 
-#: A cell in quotes, whatever stands in it.
+#: A cell in quotes, whatever it contains.
 _QUOTED = re.compile(r'"[^"]*"')
 
 
@@ -79,12 +79,12 @@ def read_csv(
     skiprows: int = 0,
 ) -> Profile | dict[str, Profile]:
     r"""
-    Read profiles from delimited text, one row a breakpoint.
+    Read profiles from delimited text, one row per breakpoint.
 
     The first row is a header if no cell in it is a number. A heading may end in its unit, as in
     "station [m]" or "station (m)". Blank lines and lines that begin with # are skipped; a repeated
-    station is a vertical step. Nothing else is guessed, and nothing is dropped: every row has as
-    many cells as the first.
+    station is a vertical step. Nothing else is guessed, and nothing is dropped: every row must
+    have as many cells as the first.
 
     Parameters
     ----------
@@ -93,32 +93,32 @@ def read_csv(
     to : {"in", "ft", "m", "cm", "mm", "km"}
         Unit of the profiles.
     unit : str or (str, str), optional
-        Unit in the file: one for all, or station's and elevation's. Needed where the header has
-        none, and must not contradict it.
+        Unit in the file: one for all columns, or a pair for station and elevation. Required where
+        the header gives none; must not contradict the header.
     station : str or int
-        Column of the stations: its heading, with or without the unit, or its number from 0.
+        Column of the stations: its heading, with or without the unit, or its number counted from 0.
     elevation : str, int or mapping
-        Column of the elevations. Several tracks: the column of each, by the track's name; with
-        names of gears the result can go to `simulate` as it is.
+        Column of the elevations; for several tracks, the column of each by the track's name. With
+        gear names the result can be passed to `simulate` as it is.
     delimiter : str, optional
-        What stands between cells, one character. Default: the first of tab, ; and , that is in
-        the first row; if none is, blanks, as many as there are.
+        Character between cells. Default: the first of tab, ; and , that occurs in the first row;
+        if none does, any number of blanks.
     decimal : {".", ","}
-        Decimal point or comma; a comma does not separate cells then.
+        Decimal point or comma; a decimal comma does not separate cells.
     skiprows : int, default 0
-        Lines to leave out at the top of the file, such as a title.
+        Number of lines to skip at the top of the file, such as a title.
 
     Returns
     -------
     Profile or dict of Profile
-        The profile, or one for each entry of `elevation`, by its name [to]. Of a runway on a grade
-        take `Profile.detrended`.
+        The profile, or one for each entry of `elevation`, by its name [to]. For a runway on a grade
+        see `Profile.detrended`.
 
     Raises
     ------
     InputError
-        If an argument is not as above or the file has a fault; the message names the file, the
-        line and what stood there.
+        If an argument is not as above or the file has a fault; the message names the file and the
+        line, and quotes what it found there.
     OSError
         If the file cannot be read.
 
@@ -139,7 +139,7 @@ def read_csv(
     if delimiter is not None and (
         not isinstance(delimiter, str) or len(delimiter) != 1 or delimiter in f'{decimal}"'
     ):
-        raise InputError(f"delimiter = {delimiter!r} cannot stand between cells")
+        raise InputError(f"delimiter = {delimiter!r} cannot separate cells")
     skiprows = integer("skiprows", skiprows, 0)
 
     table = [
@@ -196,7 +196,7 @@ def _pick(
         cells = _cells(line, delimiter)
         if len(cells) != width:
             counts = f"{len(cells)} cell(s) where line {first} has {width}"
-            title = "; lines above the header: skiprows" if len(lines) == 1 else ""
+            title = "; to skip lines above the header use skiprows" if len(lines) == 1 else ""
             raise fault(path, number, f"{counts}: {excerpt(line)}{title}")
         lines.append(number)
         for column, found in zip(columns, picked, strict=True):
@@ -217,15 +217,15 @@ def _name_and_unit(cell: str) -> tuple[str, str]:
 
 def write_csv(path: FilePath, tracks: Profile | Mapping[str, Profile], unit: str) -> None:
     """
-    Write profiles as comma-separated text that `read_csv` gives back to the last bit.
+    Write profiles as comma-separated text that `read_csv` reads back to the last bit.
 
     The header names the columns and their unit: "station [in],elevation [in]", or the tracks' names
-    in place of "elevation". Numbers have the fewest digits that give the same number back.
+    instead of "elevation". Numbers have the fewest digits that read back as the same number.
 
     Parameters
     ----------
     path : str or path-like
-        The file; one that exists is replaced.
+        The file; an existing one is replaced.
     tracks : Profile or mapping of Profile
         One profile, or several by name on the same stations [unit].
     unit : {"in", "ft", "m", "cm", "mm", "km"}
@@ -234,7 +234,7 @@ def write_csv(path: FilePath, tracks: Profile | Mapping[str, Profile], unit: str
     Raises
     ------
     InputError
-        If an argument is not as above, the stations differ or a name cannot stand in a header.
+        If an argument is not as above, the stations differ or a name cannot be written in a header.
     OSError
         If the file cannot be written.
 

@@ -39,10 +39,10 @@ _SECOND = ("NCHAN", "NSAMP", "NRECS", "NBYTES", "KEYNUM", "STEP", "KEYOPT")
 #: KEYNUM of numbers written as text.
 _TEXT = 5
 
-#: More is a slip of the pen.
+#: More channels than that are taken for a typing error.
 _MOST_CHANNELS = 1e6
 
-#: A keyword takes eight characters, an entry under it so many for each channel.
+#: Characters of a keyword, and of each channel's entry after it.
 _KEYWORD = 8
 _ENTRY = {"SHORTNAM": 8, "LONGNAME": 32, "UNITSNAM": 8}
 
@@ -71,7 +71,7 @@ def read_erd(
     elevation: Column | Mapping[str, Column] = 0,
 ) -> Profile | dict[str, Profile]:
     r"""
-    Read profiles from an ERD file with its numbers in text.
+    Read profiles from an ERD file whose numbers are text.
 
     Parameters
     ----------
@@ -80,23 +80,23 @@ def read_erd(
     to : {"in", "ft", "m", "cm", "mm", "km"}
         Unit of the profiles.
     unit : str or (str, str), optional
-        Unit in the file: one for all, or station's and elevation's. Needed where XUNITS or
-        UNITSNAM is missing, and must not contradict it.
+        Unit in the file: one for all channels, or a pair for station and elevation. Required where
+        XUNITS or UNITSNAM is missing; must not contradict them.
     elevation : str, int or mapping
-        Channel of the elevations: its LONGNAME or SHORTNAM, or its number from 0. Several tracks:
-        the channel of each, by the track's name.
+        Channel of the elevations: its LONGNAME or SHORTNAM, or its number counted from 0; for
+        several tracks, the channel of each by the track's name.
 
     Returns
     -------
     Profile or dict of Profile
         The profile, or one for each entry of `elevation`, by its name [to]. Stations are
-        0, STEP, 2 STEP, …: the format has no other start; `Profile.shifted` moves them.
+        0, STEP, 2 STEP, …: the format has no other start; `Profile.shifted` moves the profile.
 
     Raises
     ------
     InputError
-        If an argument is not as above or the file has a fault; the message names the file, the
-        line and what stood there.
+        If an argument is not as above or the file has a fault; the message names the file and the
+        line, and quotes what it found there.
     OSError
         If the file cannot be read.
 
@@ -105,13 +105,13 @@ def read_erd(
     M. W. Sayers and S. M. Karamihas, *ERD file format for storage and analysis of road profiles*,
     University of Michigan Transportation Research Institute; also RoadRuf User Reference Manual,
     October 1997, Appendix A. Line 1 is ERDFILEV2.00; line 2 holds NCHAN, NSAMP, NRECS, NBYTES,
-    KEYNUM, STEP, KEYOPT; lines of a keyword of eight characters and its text follow, then END,
-    then the numbers.
+    KEYNUM, STEP, KEYOPT; then come lines with a keyword of eight characters and its text, then
+    END, then the numbers.
 
-    What is assumed: KEYNUM 5 means numbers in text; any other (binary, in a file of its own) is
-    refused. Numbers are apart by blanks or commas, whatever FORMAT says, and a line holds whole
-    samples. NSAMP = -1 means as many as there are. NRECS, NBYTES, KEYOPT and other keywords
-    are not used.
+    Assumptions: KEYNUM 5 means numbers as text; any other value (binary, in a separate file) is
+    refused. Numbers are separated by blanks or commas, whatever FORMAT says, and a line holds whole
+    samples. NSAMP = -1 means as many samples as there are. NRECS, NBYTES, KEYOPT and other
+    keywords are not used.
 
     Examples
     --------
@@ -179,7 +179,7 @@ def _second(path: FilePath, text: list[str]) -> tuple[int, int, float]:
         values[name] = float(cell)
     if values["KEYNUM"] != _TEXT:
         keynum = f"KEYNUM = {values['KEYNUM']:g}"
-        raise fault(path, 2, f"{keynum}: only numbers in text, KEYNUM = 5, can be read, not binary")
+        raise fault(path, 2, f"{keynum}: only text, KEYNUM = 5, can be read, not binary")
     channels, samples, step = values["NCHAN"], values["NSAMP"], values["STEP"]
     if not (1 <= channels <= _MOST_CHANNELS and channels.is_integer()):
         raise fault(path, 2, f"NCHAN = {channels:g} is not a number of channels")
@@ -191,7 +191,7 @@ def _second(path: FilePath, text: list[str]) -> tuple[int, int, float]:
 
 
 def _entries(line: str, width: int, channels: int) -> list[str]:
-    """Entries of a header line, one a channel."""
+    """Entries of a header line, one per channel."""
     starts = range(_KEYWORD, _KEYWORD + width * channels, width)
     return [line[start : start + width].strip() for start in starts]
 
@@ -214,17 +214,17 @@ def _samples(
 
 def write_erd(path: FilePath, tracks: Profile | Mapping[str, Profile], unit: str) -> None:
     """
-    Write profiles sampled at equal distances as an ERD file in text, a channel each.
+    Write profiles with equally spaced stations as a text ERD file, one channel each.
 
-    Numbers have the fewest digits that give the same number back, so `read_erd` gives the
-    elevations to the last bit. It gives the stations as multiples of STEP: to the last bit if
-    they are such, as those from `read_erd` or ``step * numpy.arange(n)``, and otherwise to
-    rounding.
+    Numbers have the fewest digits that read back as the same number, so `read_erd` returns the
+    elevations to the last bit. It returns the stations as multiples of STEP: to the last bit if
+    they are exactly that, like those from `read_erd` or ``step * numpy.arange(n)``, and otherwise
+    to rounding.
 
     Parameters
     ----------
     path : str or path-like
-        The file; one that exists is replaced.
+        The file; an existing one is replaced.
     tracks : Profile or mapping of Profile
         One profile, or several by name on the same stations: 0, STEP, 2 STEP, … [unit].
     unit : {"in", "ft", "m", "cm", "mm", "km"}
@@ -233,8 +233,8 @@ def write_erd(path: FilePath, tracks: Profile | Mapping[str, Profile], unit: str
     Raises
     ------
     InputError
-        If an argument is not as above, a station is further than rounding from its multiple of
-        STEP, or a name is longer than 32 characters.
+        If an argument is not as above, a station differs by more than rounding from its multiple
+        of STEP, or a name is longer than 32 characters.
     OSError
         If the file cannot be written.
 
@@ -278,7 +278,7 @@ def write_erd(path: FilePath, tracks: Profile | Mapping[str, Profile], unit: str
 def _step(stations: NDArray[np.float64]) -> float:
     """Spacing of equally spaced stations from 0."""
     if stations.size < 2:
-        raise InputError("tracks: an ERD file needs two stations or more")
+        raise InputError("tracks: an ERD file needs at least two stations")
     count = stations.size - 1
     steps = (float(stations[1]), float(stations[-1]) / count)
     departures = [np.abs(stations - np.arange(count + 1) * step) for step in steps]
@@ -287,7 +287,7 @@ def _step(stations: NDArray[np.float64]) -> float:
     at = int(departures[best].argmax())
     if steps[best] <= 0 or departures[best][at] > rounding:
         raise InputError(
-            f"tracks: x[{at}] = {stations[at]} is no multiple of the step {steps[best]}: an ERD "
+            f"tracks: x[{at}] = {stations[at]} is not a multiple of the step {steps[best]}: an ERD "
             "file needs stations 0, STEP, 2 STEP, …"
         )
     return steps[best]

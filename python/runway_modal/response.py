@@ -1,4 +1,4 @@
-"""What comes out of a run."""
+"""Results of a run."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class Extremes:
     """
     True extremes of a response over its time span, between samples too.
 
-    Found as zeros of the derivative of the continuous solution. Where results jump both sides
-    count, but not the blow of a vertical step on dampers (`simulate`); of equal peaks the first.
-    `Response.extremes` makes it.
+    Returned by `Response.extremes`. Found as zeros of the derivative of the continuous solution.
+    At a jump both sides count; the impulse of a vertical step on a damper does not (see
+    `simulate`). Of equal peaks the first is reported.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Extremes:
     time_of_max_acceleration: dict[str, float]
 
     def __repr__(self) -> str:
-        """Make a table: a line a gear, a line a station."""
+        """Make a table: one line per gear, one line per station."""
         loads = (self.max_load, self.time_of_max, self.min_load, self.time_of_min)
         accelerations = (self.max_acceleration.values(), self.time_of_max_acceleration.values())
         return table(
@@ -89,9 +89,9 @@ class Response(Shown):
     """
     Motion and loads of one run, sampled at `time` and exact there.
 
-    `simulate` makes it. Motion is from static equilibrium. `modal` and `modal_rate` are
-    computed with the run, everything else when first asked for; all arrays are read-only,
-    with one row a time.
+    Returned by `simulate`. Motion is measured from static equilibrium. `modal` and `modal_rate`
+    are computed with the run, everything else on first use; all arrays are read-only, with one
+    row per time.
 
     Parameters
     ----------
@@ -100,9 +100,9 @@ class Response(Shown):
     modes : Modes
         Its modes.
     again : callable
-        Makes the same response again, with `times` or `duration` by name.
+        Makes the same response again, given `times` or `duration` by name.
     times : array_like, shape (n,), optional
-        When to sample [time].
+        Times at which to sample [time].
     duration : float, optional
         End of the default times [time].
 
@@ -177,12 +177,12 @@ class Response(Shown):
 
     @cached_property
     def cg_rate(self) -> NDArray[np.float64]:
-        """Their rates, shape (n, 3) [length/time, rad/time]."""
+        """Rates of bounce, pitch and roll, shape (n, 3) [length/time, rad/time]."""
         return self._read("cg_rate")
 
     @cached_property
     def cg_acceleration(self) -> NDArray[np.float64]:
-        """Their accelerations, shape (n, 3) [length/time², rad/time²]."""
+        """Accelerations of bounce, pitch and roll, shape (n, 3) [length/time², rad/time²]."""
         return self._read("cg_acceleration")
 
     @cached_property
@@ -218,7 +218,7 @@ class Response(Shown):
         """
         Whether each gear's load reaches zero, shape (g,).
 
-        Past that the linear model, in which a gear may pull on the runway, no longer holds.
+        Beyond that the linear model, in which a gear may pull on the runway, does not hold.
         """
         return self.extremes().min_load <= 0.0
 
@@ -229,7 +229,7 @@ class Response(Shown):
         Parameters
         ----------
         times : array_like, shape (k,), or float
-            Never decreasing [time]. At the time of a jump the row shows what follows.
+            Times, never decreasing [time]. At the time of a jump the row shows what follows it.
 
         Returns
         -------
@@ -239,7 +239,7 @@ class Response(Shown):
         Raises
         ------
         InputError
-            If there is no time, one is not finite or they decrease.
+            If there are no times, one is not finite or they decrease.
 
         Examples
         --------
@@ -290,7 +290,7 @@ class Response(Shown):
         )
 
     def __reduce__(self) -> tuple[partial[Response], tuple[()]]:
-        """Pickle by what the run was made of: it is run again, to the same bits."""
+        """Pickle by the arguments of the run: it is computed again, to the same bits."""
         return self._rebuild, ()
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Random roughness: spectra, the profiles they stand for, and rolling over very many of these."""
+"""Random roughness: spectra, profiles that have them, and runs over very many of these."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _REFERENCE = 0.1
 #: Longest and shortest wave that matter to aircraft, with a margin [m].
 _WAVES = (200.0, 2.0)
 
-#: Runs and seeds are numbers of 64 bits.
+#: Run numbers and seeds have 64 bits.
 _NUMBERS = 2**64
 
 
@@ -64,9 +64,9 @@ class Roughness:
 
     Notes
     -----
-    The lower end of the band matters: with waviness 2 the variance is the coefficient times
-    reference² over it. Waves much longer than the aircraft's path in one period of its slowest
-    mode lift it without loading it.
+    The lower end of the band matters: with waviness 2 the variance is nearly the coefficient times
+    reference² divided by it. Waves much longer than the distance rolled in one period of the
+    slowest mode lift the aircraft without loading it.
 
     The convention is per cycle, not per radian: a density against Ω = 2πn is G/2π, so 16e-6 m³
     at 0.1 cycles/m is 1.0e-6 m³ at 1 rad/m.
@@ -118,12 +118,12 @@ class Roughness:
         Parameters
         ----------
         name : {"A", "B", "C", "D", "E", "F", "G", "H"}
-            The class. A has 16e-6 m³ at 0.1 cycles/m; each further class four times as much.
+            The class. A has 16e-6 m³ at 0.1 cycles/m; each further class has four times as much.
         unit : {"m", "in", "ft", "cm", "mm", "km"}
             Unit of length of the result: the aircraft's, "in" for `f4e`.
         band : (float, float), optional
             Lowest and highest frequency, in cycles per that unit. Default: waves from 200 m
-            down to 2 m, what matters to an aircraft with some margin.
+            down to 2 m, which is what matters to an aircraft, with some margin.
 
         Returns
         -------
@@ -137,9 +137,9 @@ class Roughness:
 
         Notes
         -----
-        ISO 8608 as several public sources quote it, by two of its tables, which agree:
+        ISO 8608 as several public sources quote it, from two of its tables, which agree:
         16e-6 m³ at 0.1 cycles/m, and 1e-6 m³ at 1 rad/m. Generators that use the first density
-        at the second frequency, or the reverse, are wrong by large factors: compare `psd`.
+        at the second frequency, or the reverse, are wrong by large factors; compare with `psd`.
 
         Examples
         --------
@@ -150,7 +150,7 @@ class Roughness:
         array(0.976379)
         """
         if not isinstance(name, str) or len(name) != 1 or name not in _CLASSES:
-            raise InputError(f"name = {name!r} is no class of ISO 8608: 'A' to 'H'")
+            raise InputError(f"name = {name!r} is not a class of ISO 8608, 'A' to 'H'")
         metre = float(convert_length(np.ones(1), "m", length_unit("unit", unit))[0])
         if band is None:
             band = (1.0 / (_WAVES[0] * metre), 1.0 / (_WAVES[1] * metre))
@@ -160,7 +160,7 @@ class Roughness:
     @classmethod
     def from_table(cls, n: ArrayLike, psd: ArrayLike) -> Roughness:
         """
-        Spectrum through measured points: straight between them in log G against log n.
+        Spectrum through measured points, with straight lines between them in log G against log n.
 
         Parameters
         ----------
@@ -183,8 +183,8 @@ class Roughness:
 
         Notes
         -----
-        Each piece is a power law of its own. Coherent tracks are known for one power law only:
-        ``tracks="isotropic"`` takes a table of two points.
+        Each piece is a power law of its own. Coherent tracks need a single power law:
+        ``tracks="isotropic"`` takes only a table of two points.
 
         Examples
         --------
@@ -259,19 +259,19 @@ class Roughness:
         Parameters
         ----------
         length : float
-            Length of the profiles, > 0 [length]. If it is no whole number of spacings they are
-            a little longer.
+            Length of the profiles, > 0 [length]. If it is not a multiple of the spacing, they are
+            slightly longer.
         spacing : float
             Spacing of the stations, at most half the shortest wave of the band [length].
         runs : int
-            How many, > 0.
+            Number of runs, > 0.
         seed : int
-            Which of the 2⁶⁴ sets of runs.
+            Which of the 2⁶⁴ sets of runs to make.
         first_run : int
             Number of the first run.
         y : array_like, shape (t,)
             Lateral positions of parallel tracks on an isotropic surface [length]. Equal
-            positions are one track. The first is the same as when it is alone.
+            positions share one track. The first track is the same as it is alone.
 
         Returns
         -------
@@ -281,7 +281,7 @@ class Roughness:
         Raises
         ------
         InputError
-            If a value is out of range, the spacing too coarse for the band, or there are several
+            If a value is out of range, the spacing is too coarse for the band, or there are several
             tracks and the spectrum is a table of several power laws.
 
         Notes
@@ -291,16 +291,16 @@ class Roughness:
         to its neighbours, so that every station has exactly the spectrum's variance. The period
         exceeds the length by at least two of the longest waves.
 
-        The random numbers are Philox4x32-10's, with the seed as key and run, wave and track as
+        The random numbers come from Philox4x32-10, with the seed as key and run, wave and track as
         counter; no deviate exceeds 8.5 standard deviations.
 
         Two tracks a distance d apart have the coherency
         γ(n) = [2/Γ(w/2)] (πnd)^(w/2) K_{w/2}(2πnd) of an isotropic surface of waviness w (Dodds
-        and Robson, 1973), for w = 2 simply 2πnd·K₁(2πnd); it is taken inside the band as if the
+        and Robson, 1973), for w = 2 simply 2πnd·K₁(2πnd); inside the band it is taken as if the
         power law had no ends.
 
-        Between its stations a profile is straight, which takes the share 1 - sinc⁴(n·spacing) of
-        the density at n away: 6.4 % at 10 stations a wave, 1 % at 25.
+        Between its stations a profile is straight, which removes the share 1 - sinc⁴(n·spacing) of
+        the density at n: 6.4 % at 10 stations per wave, 1 % at 25.
 
         Examples
         --------
@@ -331,12 +331,12 @@ class Roughness:
         tracks: Literal["one", "isotropic"] = "one",
     ) -> dict[str, Profile]:
         """
-        Make one run's profile under each gear, to be simulated in full.
+        Make the profile under each gear for one run, to simulate that run in full.
 
         Parameters
         ----------
         modes : Modes
-            Of the aircraft whose gears roll over the runway.
+            Modes of the aircraft whose gears roll over the runway.
         run : int
             Number of the run.
         length, spacing : float
@@ -350,7 +350,7 @@ class Roughness:
         Returns
         -------
         dict of str to Profile
-            A profile by gear name.
+            The profile under each gear, by gear name.
 
         Raises
         ------
@@ -391,11 +391,11 @@ class Roughness:
         return self._rebuild == other._rebuild if isinstance(other, Roughness) else NotImplemented
 
     def __hash__(self) -> int:
-        """Hash of what the spectrum was made of."""
+        """Hash of the arguments the spectrum was made from."""
         return hash(self._rebuild)
 
     def __reduce__(self) -> tuple[Callable[..., Roughness], tuple[Any, ...]]:
-        """Pickle by what the spectrum was made of."""
+        """Pickle by the arguments the spectrum was made from."""
         return self._rebuild
 
     def __repr__(self) -> str:
@@ -423,11 +423,11 @@ def monte_carlo(
     progress: Callable[[int, int], object] | None = None,
 ) -> Ensemble:
     """
-    Roll an aircraft over random profiles: as `simulate_many`, without the profiles in memory.
+    Roll an aircraft over random profiles, like `simulate_many` but without holding them in memory.
 
-    Profiles are made, run over and forgotten block by block: memory does not grow with the number
-    of runs but for the results. A run is the same to the last bit in any batch, on any number of
-    threads: a million runs can be split as one likes, by `first_run`.
+    Profiles are made, used and discarded block by block: only the results grow with the number of
+    runs. A run is the same to the last bit in any batch, on any number of threads: a million runs
+    can be split in any way, by `first_run`.
 
     Parameters
     ----------
@@ -436,13 +436,13 @@ def monte_carlo(
     roughness : Roughness
         The spectrum.
     length, spacing : float
-        Of the profiles, as for `Roughness.elevations` [length].
+        Length and spacing of the profiles, as for `Roughness.elevations` [length].
     speed : float or array_like, shape (runs,)
-        Ground speed, > 0; one for all runs or one a run [length/time].
+        Ground speed, > 0; one for all runs or one per run [length/time].
     runs : int
-        How many, > 0.
+        Number of runs, > 0.
     seed : int
-        Which of the 2⁶⁴ sets of runs.
+        Which of the 2⁶⁴ sets of runs to make.
     first_run : int
         Number of the first run.
     tracks : {"one", "isotropic"}
@@ -451,16 +451,16 @@ def monte_carlo(
         As for `simulate`.
     on_error : {"raise", "mask"}
         What to do about runs with a result that leaves the range of double precision: raise for
-        the first, or keep the others and mark these by NaN and in `Ensemble.failures`. Speeds
-        out of range are refused in either case.
+        the first, or keep the other runs and mark these with NaN and in `Ensemble.failures`.
+        Speeds out of range are refused in either case.
     progress : callable, optional
         Called with the numbers of runs finished and wanted, before the first and after every
-        4096 runs; the result is the same.
+        4096 runs; it does not change the result.
 
     Returns
     -------
     Ensemble
-        A row a run. `Roughness.profiles` gives the profiles of any of them back.
+        One row per run. `Roughness.profiles` makes the profiles of any of them again.
 
     Raises
     ------
@@ -471,9 +471,9 @@ def monte_carlo(
 
     Notes
     -----
-    Statistics run from the start, at rest in equilibrium, until the last gear passes the last
-    station: they hold the motion's growth from rest, which lasts about 1/(ζω) of the slowest
-    mode. For stationary values the length is to be many times speed/(ζω).
+    Statistics cover the time from the start, at rest in equilibrium, until the last gear passes the
+    last station. They include the growth of the motion from rest, which takes about 1/(ζω) of the
+    slowest mode; for stationary values the length must be many times speed/(ζω).
 
     Examples
     --------
@@ -483,9 +483,9 @@ def monte_carlo(
     >>> modes = rm.f4e().modes(0.05)
     >>> ensemble = rm.monte_carlo(modes, surface, speed=rm.knots(60), runs=100, **runway)
 
-    The worst run again, as long as it was there: `simulate` goes on for 5 s by default, and on
-    the level behind a random runway a load may exceed all before. (With `damping_input` a load
-    jumps at the last station; both sides count here, which a duration rounded down may miss.)
+    The worst run again, over the same time: by default `simulate` continues for 5 s, and on the
+    level behind a random runway a load may exceed all before. (With `damping_input` a load jumps
+    at the last station; both sides count here, and a duration rounded down may miss the second.)
 
     >>> worst = int(ensemble.worst("nose", 1)[0])
     >>> profiles = surface.profiles(modes, worst, **runway)
@@ -497,7 +497,7 @@ def monte_carlo(
     True
     """
     if progress is not None:
-        from ._chunks import computed  # by calling this function, some runs at a time
+        from ._chunks import computed  # calls this function for some runs at a time
 
         return computed(
             modes,
@@ -520,7 +520,7 @@ def monte_carlo(
     damping_input = flag("damping_input", damping_input)
     mask = masks(on_error)
     runs = integer("runs", runs, 1)
-    # Ensembles number their runs in 63 bits.
+    # Run numbers of ensembles have 63 bits.
     first_run = integer("first_run", first_run, 0, _NUMBERS // 2 - runs + 1)
     numbers_of_runs = np.arange(first_run, first_run + runs, dtype=np.int64)
     numbers_of_runs.flags.writeable = False
@@ -567,7 +567,7 @@ def setup(
     tracks: str = "one",
     damping_input: bool = False,
 ) -> dict[str, Any]:
-    """Tell what runs of one Monte Carlo have in common, in plain numbers as JSON has them."""
+    """List what the runs of one Monte Carlo share, in plain numbers for JSON."""
     made_of = roughness._rebuild[1]
     return {
         **describe(modes),
@@ -587,7 +587,7 @@ def _power_law(
 
 
 def lateral_positions(modes: Modes, tracks: str) -> NDArray[np.float64]:
-    """Where the tracks lie: one for all gears or one a gear."""
+    """Lateral positions of the tracks: one for all gears or one per gear."""
     check_modes("modes", modes)
     if tracks == "one":
         return np.zeros(1)

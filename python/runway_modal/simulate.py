@@ -1,4 +1,4 @@
-"""One aircraft meets one runway at one speed."""
+"""One aircraft over one runway at one speed."""
 
 from __future__ import annotations
 
@@ -42,22 +42,22 @@ def simulate(
     modes : Modes
         From `Aircraft.modes`, `Modes` or `single_dof`.
     tracks : Profile or mapping of str to Profile
-        One profile for every gear, or profiles by gear name; gears left out run on the level.
+        One profile for all gears, or profiles by gear name; gears not named run on level ground.
     speed : float
         Ground speed, constant, > 0 [length/time].
     times : array_like, shape (n,), optional
-        When to sample, never decreasing [time]. Default: every breakpoint of every gear and at
-        least 20 points a period of the fastest mode. Where results jump, both sides: the last
-        instant before, and the time of the jump with what follows. They jump at vertical steps
-        and, with the dampers' `damping_input`, wherever a slope changes.
+        Times at which to sample, never decreasing [time]. Default: every breakpoint of every gear
+        and at least 20 points per period of the fastest mode. Where results jump, both sides are
+        sampled: the last instant before, and the time of the jump with what follows. They jump at
+        vertical steps and, under dampers with `damping_input`, wherever a slope changes.
     duration : float, optional
         End of the default times [time]. Default: 5 after the last gear has passed the last
         breakpoint.
     damping_input : bool
         Whether the gears' dampers take part in the ground input and the loads, the terms
         C₁u̇ of Eq. 12 and c(u̇_P - u̇) of Eqs. 2 and 16. The report drops them, and so does the
-        default. That is not safe where gears are damped strongly: on the full mat at 20 knots
-        the bounce model's largest load (`single_dof`) is then 0.02 % too low with 1 % damping,
+        default. That is not safe where gears are strongly damped: on the full mat at 20 knots
+        the bounce model's largest load (`single_dof`) is then 0.02 % too low with 1 % damping and
         14 % with 10 %, and at 60 knots 37 %. The terms come from `Gear.damping`, not from the
         damping ratios.
 
@@ -69,19 +69,20 @@ def simulate(
     Raises
     ------
     InputError
-        If an argument is of the wrong kind or out of range, or a gear name is unknown.
+        If an argument is of the wrong kind or out of range, a gear name is unknown, or both
+        `times` and `duration` are given.
     NumericalError
         If a result leaves the range of double precision.
 
     Notes
     -----
     The runway is level before the first and after the last breakpoint: a survey on a grade begins
-    and ends with a kink whose loads may be the largest of the run. `Profile.detrended` takes the
-    grade out.
+    and ends with a kink whose loads may be the largest of the run. `Profile.detrended` removes the
+    grade.
 
-    A vertical step under a damped gear with `damping_input` gives the aircraft a blow. The infinite
-    load of that instant is not part of the results, so a sharp edge may seem milder than a steep
-    ramp: give it one, or take `Profile.footprint`.
+    With `damping_input`, a vertical step under a damped gear gives the aircraft an impulse. The
+    infinite load of that instant is not part of the results, so a sharp edge may seem milder than
+    a steep ramp: model the edge as a ramp, or apply `Profile.footprint`.
 
     Examples
     --------
@@ -98,7 +99,7 @@ def simulate(
     profiles = by_gear(names, tracks)
     run = _core.Run(modes._core, [one._core for one in profiles], speed, damping_input)
     if times is not None and duration is not None:
-        raise InputError("duration ends the default times; it does not go with times")
+        raise InputError("give either times or duration, not both")
     span = None if duration is None else number("duration", duration)
     by_name = dict(zip(names, profiles, strict=True))
     again = partial(simulate, modes, by_name, speed, damping_input=damping_input)

@@ -1,4 +1,4 @@
-"""Long Monte Carlo runs whose finished parts stay on disk (extra ``tables``)."""
+"""Long Monte Carlo runs that keep finished parts on disk (extra ``tables``)."""
 
 from __future__ import annotations
 
@@ -39,21 +39,21 @@ def monte_carlo(
     **options: Unpack[Options],
 ) -> None:
     """
-    Roll as `runway_modal.monte_carlo` does, and keep each finished chunk in a Parquet file.
+    Run `runway_modal.monte_carlo`, keeping each finished chunk in a Parquet file.
 
-    Whatever ends it, a second call with the same arguments goes on where the first was, to the
-    same bits. Memory holds one chunk, however many runs there are. `read` gives the results.
+    However a call ends, another with the same arguments resumes where it stopped, to the same
+    bits. Memory holds one chunk, however many runs there are. `read` returns the results.
 
     Parameters
     ----------
     directory : path
-        Where the files are kept; made if there is none.
+        Directory of the files; created if missing.
     modes : Modes
         As for `runway_modal.monte_carlo`.
     roughness : Roughness
         As for `runway_modal.monte_carlo`.
     chunk : int
-        Runs a file.
+        Runs per file.
     progress : callable, optional
         Called with the numbers of runs finished and wanted, before the first chunk and after
         each.
@@ -67,6 +67,8 @@ def monte_carlo(
         another set-up or version.
     ImportError
         If pandas or pyarrow is not installed.
+    NumericalError
+        If a result leaves the range of double precision, unless that run is to be masked.
 
     Examples
     --------
@@ -120,9 +122,9 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
     Parameters
     ----------
     directory : path
-        Where they are.
+        Directory of the files.
     runs : int, optional
-        No more than so many from the first. Default: all.
+        Largest number of runs to read, from the first. Default: all.
 
     Returns
     -------
@@ -132,7 +134,7 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
     Raises
     ------
     InputError
-        If there are none, or `runs` is no whole number > 0.
+        If there are none, a file is damaged, or `runs` is not a whole number > 0.
     ImportError
         If pandas or pyarrow is not installed.
 
@@ -155,7 +157,7 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
 
 
 def _agree(file: Path, about: dict[str, Any]) -> None:
-    """Write the set-up, or hold it against what is there."""
+    """Write the set-up, or compare it with the one that is there."""
     if not file.exists():
         _replace(file, lambda path: path.write_text(json.dumps(about, indent=1)))
         return
@@ -163,7 +165,7 @@ def _agree(file: Path, about: dict[str, Any]) -> None:
     for key in here | there:
         if there.get(key) != here.get(key):
             raise InputError(
-                f"{file} is of another set-up: {key} = {there.get(key)!r} there, "
+                f"{file} holds another set-up: {key} = {there.get(key)!r} there, "
                 f"{here.get(key)!r} here"
             )
 
@@ -173,7 +175,7 @@ def _flat(about: dict[str, Any]) -> dict[str, Any]:
 
 
 def _replace(file: Path, write: Callable[[Path], object]) -> None:
-    """Write a file that is there whole or not at all, whatever happens."""
+    """Write a file so that it exists whole or not at all, whatever happens."""
     half = file.with_suffix(f".{os.getpid()}.tmp")
     write(half)
     with half.open("rb+") as handle:
@@ -182,7 +184,7 @@ def _replace(file: Path, write: Callable[[Path], object]) -> None:
 
 
 def _holds(file: Path, runs: int) -> bool:
-    """Whether a file has so many runs: the last one of an earlier call may have fewer."""
+    """Whether a file has at least `runs` runs: the last one of an earlier call may have fewer."""
     if not file.exists():
         return False
     from pyarrow import ArrowInvalid
@@ -190,7 +192,7 @@ def _holds(file: Path, runs: int) -> bool:
 
     try:
         return bool(read_metadata(file).num_rows >= runs)
-    except ArrowInvalid:  # damaged: made again
+    except ArrowInvalid:  # damaged: computed again
         return False
 
 
@@ -199,7 +201,7 @@ def _write(file: Path, part: Chunk) -> None:
 
     found = part.compute()
     frame = found.to_pandas()
-    # Of text even where no run has failed: a column has one type in all files.
+    # Text even where no run has failed: a column has the same type in all files.
     frame["failure"] = pd.Series(found.failures, index=frame.index, dtype="string")
     _replace(file, lambda path: frame.to_parquet(path))
 
@@ -211,7 +213,7 @@ def _read(file: Path, common: dict[str, Any], last: int | None) -> Ensemble:
     try:
         frame = pd.read_parquet(file).loc[:last]
     except ArrowInvalid as error:
-        raise InputError(f"{file} is damaged, `monte_carlo` makes it again: {error}") from None
+        raise InputError(f"{file} is damaged; `monte_carlo` computes it again: {error}") from None
 
     def named(quantity: str) -> dict[str, Any]:
         start = f"{quantity}_"
@@ -234,7 +236,7 @@ def _read(file: Path, common: dict[str, Any], last: int | None) -> Ensemble:
 
 
 def require() -> None:
-    """Name the extra if what reads and writes Parquet files is not there."""
+    """Raise an `ImportError` that names the extra if pandas or pyarrow is missing."""
     if find_spec("pandas") is None or find_spec("pyarrow") is None:
         raise ImportError(
             "runs on disk need pandas and pyarrow: pip install 'runway_modal[tables]'"

@@ -1,4 +1,4 @@
-"""One aircraft meets one runway at many speeds."""
+"""One aircraft over one runway at many speeds."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Sweep:
     """
     True extremes of a response, speed by speed, between samples too.
 
-    `sweep` makes it.
+    Returned by `sweep`.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class Sweep:
         """
         Whether each gear's load reaches zero, shape (s, g).
 
-        Past that the linear model, in which a gear may pull on the runway, no longer holds.
+        Beyond that the linear model, in which a gear may pull on the runway, does not hold.
         """
         return self.min_load <= 0.0
 
@@ -95,12 +95,12 @@ class Sweep:
         Parameters
         ----------
         gears : sequence of str, optional
-            Which gears. Default: all.
+            Gears to draw. Default: all.
         ax : matplotlib.axes.Axes, optional
-            Where. Default: a new figure.
+            Axes to draw on. Default: those of a new figure.
         units : Units, optional
-            Units of the sweep, for the axes: speeds are drawn in knots, loads in lbf and N in
-            kip and kN.
+            Units of the sweep, for the axis labels: speeds are drawn in knots, loads in lbf and N
+            in kip and kN.
 
         Returns
         -------
@@ -110,7 +110,8 @@ class Sweep:
         Raises
         ------
         InputError
-            If there is no such gear.
+            If a gear is unknown, `gears` is empty or a single name, or `units` is not
+            a `Units`.
         ImportError
             If matplotlib is not installed.
 
@@ -135,20 +136,20 @@ class Sweep:
         units: Units | None = None,
     ) -> Axes:
         """
-        Draw the largest vertical acceleration against speed, in g, with the line of 0.4 g.
+        Draw the largest vertical acceleration against speed, in g, with a line at 0.4 g.
 
         The line is the limit of ±0.4 g at the pilot's station and the centre of gravity
-        (published: Morris and Hall, NASA 1965; Navy CEL TR-846, 1976). A g is the aircraft's
+        (published: Morris and Hall, NASA 1965; Navy CEL TR-846, 1976). The g is the aircraft's
         gravity.
 
         Parameters
         ----------
         stations : sequence of str, optional
-            Which stations of `Aircraft.stations`. Default: all.
+            Stations of `Aircraft.stations` to draw. Default: all.
         ax : matplotlib.axes.Axes, optional
-            Where. Default: a new figure.
+            Axes to draw on. Default: those of a new figure.
         units : Units, optional
-            Units of the sweep, for the axes: speeds are drawn in knots.
+            Units of the sweep, for the axis labels: speeds are drawn in knots.
 
         Returns
         -------
@@ -158,7 +159,8 @@ class Sweep:
         Raises
         ------
         InputError
-            If there is no such station, or no gravity.
+            If a station is unknown, `stations` is empty or a single name, `units` is not a
+            `Units`, or the aircraft's gravity is 0.
         ImportError
             If matplotlib is not installed.
 
@@ -173,12 +175,12 @@ class Sweep:
         from .plotting_sweep import plot_accelerations
 
         if not self.modes.aircraft.gravity:
-            raise InputError("sweep: the aircraft's gravity is 0, there is no g to draw in")
+            raise InputError("sweep: the aircraft's gravity is 0, so there is no g to draw in")
         return plot_accelerations(self, stations, ax, units)
 
     def to_pandas(self, units: Units | None = None) -> pd.DataFrame:
         """
-        Make a table of the sweep, one row a speed (extra ``tables``).
+        Make a table of the sweep, one row per speed (extra ``tables``).
 
         Parameters
         ----------
@@ -194,7 +196,7 @@ class Sweep:
         Raises
         ------
         InputError
-            If `units` is something else.
+            If `units` is not a `Units`.
         ImportError
             If pandas is not installed.
 
@@ -226,7 +228,7 @@ class Sweep:
         Raises
         ------
         InputError
-            If `units` is something else.
+            If `units` is not a `Units`.
         ImportError
             If xarray is not installed.
 
@@ -258,9 +260,9 @@ def sweep(
     damping_input: bool = False,
 ) -> Sweep:
     """
-    Roll an aircraft over one runway at many speeds; the true extremes of each run.
+    Roll an aircraft over one runway at many speeds; return the true extremes of each run.
 
-    Speeds are shared among all processor cores (``RAYON_NUM_THREADS`` sets how many threads);
+    Runs are shared among all processor cores (``RAYON_NUM_THREADS`` sets how many threads);
     no response is kept. The numbers are those of ``simulate(modes, tracks, v).extremes()``, to
     the last bit, on any number of threads.
 
@@ -269,7 +271,7 @@ def sweep(
     modes : Modes
         From `Aircraft.modes`, `Modes` or `single_dof`.
     tracks : Profile or mapping of str to Profile
-        One profile for every gear, or profiles by gear name; gears left out run on the level.
+        One profile for all gears, or profiles by gear name; gears not named run on level ground.
     speeds : array_like, shape (s,), or float
         Ground speeds, each constant over its run, > 0, in any order [length/time].
     damping_input : bool
@@ -278,7 +280,7 @@ def sweep(
     Returns
     -------
     Sweep
-        Extremes of loads and accelerations, a row a speed.
+        Extremes of loads and accelerations, one row per speed.
 
     Raises
     ------
@@ -294,12 +296,12 @@ def sweep(
     Notes
     -----
     Each run lasts from 0 or the first breakpoint until 5 after the last gear has passed the last
-    breakpoint [time], as by default in `simulate`. With `damping_input` the blow of a vertical step
-    is left out, as there.
+    breakpoint [time], as by default in `simulate`. With `damping_input` the impulse of a vertical
+    step is left out, as there.
 
     Examples
     --------
-    The full mat from 5 to 100 knots. At which of them does the left gear take most?
+    The full mat from 5 to 100 knots. At which speed is the left gear's load largest?
 
     >>> import numpy as np
     >>> import runway_modal as rm
@@ -309,7 +311,7 @@ def sweep(
     >>> float(knots[sweep.max_load[:, 1].argmax()])
     58.0
 
-    A sweep over the gap between two bumps is a loop over profiles, at as many speeds as wanted:
+    To vary the gap between two bumps, loop over profiles, each at as many speeds as wanted:
 
     >>> bump = rm.Profile.mat(120.0)
     >>> gaps = [0.0, 120.0, 240.0, 360.0, 480.0]
@@ -339,9 +341,9 @@ def sweep(
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorstSpeed:
     """
-    The worst speed of a range, and what no speed of the range exceeds.
+    The worst speed of a range, and a bound on what any speed of the range gives.
 
-    `worst_speed` makes it.
+    Returned by `worst_speed`.
 
     Parameters
     ----------
@@ -352,7 +354,7 @@ class WorstSpeed:
     bound : float
         No speed of the range gives a worse value than this; within the tolerance of `value`.
     runs : int
-        Runs that it took.
+        Number of runs that it took.
 
     Examples
     --------
@@ -381,11 +383,11 @@ def worst_speed(
     damping_input: bool = False,
 ) -> WorstSpeed:
     """
-    Find the worst speed of a range; every other is proven no worse, within a tolerance.
+    Find the worst speed of a range; no other is worse by more than a tolerance, guaranteed.
 
     An extreme as a function of speed has many local maxima with corners between them, so no grid
-    of speeds is known to be dense enough. Here each run also bounds what speeds near its own can
-    do, and speeds are tried until the bound on all the range is within `tolerance` of the worst
+    of speeds is known to be dense enough. Here each run also bounds the values at nearby speeds,
+    and speeds are tried until the bound over the whole range is within `tolerance` of the worst
     value found.
 
     Parameters
@@ -393,18 +395,18 @@ def worst_speed(
     modes : Modes
         From `Aircraft.modes`, `Modes` or `single_dof`.
     tracks : Profile or mapping of str to Profile
-        One profile for every gear, or profiles by gear name; gears left out run on the level.
+        One profile for all gears, or profiles by gear name; gears not named run on level ground.
     speeds : (float, float)
         Lowest and highest speed, > 0 [length/time].
     quantity : {"max_load", "min_load", "max_acceleration"}
-        What is to be worst: the largest load of a gear, its smallest, or the largest magnitude
-        of vertical acceleration at a station.
+        Quantity whose worst value is wanted: the largest load of a gear, its smallest load, or the
+        largest magnitude of vertical acceleration at a station.
     at : str
         Name of the gear or the station.
     tolerance : float
-        How much worse than the value found a speed not tried may be, > 0 [unit of the quantity].
+        How much worse than the value found any other speed may be, > 0 [unit of the quantity].
     max_runs : int
-        No more runs than this, at least 100.
+        Largest number of runs to make, at least 100.
     damping_input : bool
         As for `simulate`.
 
@@ -417,7 +419,7 @@ def worst_speed(
     ------
     InputError
         If an argument is of the wrong kind or out of range, a name is unknown, or `tolerance` is
-        not reached within `max_runs`; the message tells what was found and its bound.
+        not reached within `max_runs`; the message gives the value found and its bound.
     NumericalError
         If a result leaves the range of double precision.
 
@@ -430,17 +432,17 @@ def worst_speed(
 
     Why: with p₀ the response of a mode (Eq. 12) at speed V₀ and p that at V = ρV₀, the difference
     w = p - p₀ at one station obeys ẅ + 2ζωẇ + ω²w = -(ρ² - 1) p̈₀ - 2ζω(ρ - 1) ṗ₀. The runway has
-    gone from it: the largest |p̈₀| and |ṗ₀| of one run and the integral of the impulse response
+    dropped out: the largest |p̈₀| and |ṗ₀| of one run and the integral of the impulse response
     bound w while the gears are on the profile, and a free motion does not grow afterwards.
 
     With the dampers' input g = φᵀC₁(u - u at the start), p̈₀ stands for its part without ġ₀, and
-    -(ρ - 1) ġ joins the right side, whose effect the largest |g| and the impulse response's
-    derivatives bound; a load changes by (ρ - 1) c u̇₀ besides. So steep ramps and elevations far
-    from the first one cost runs. At vertical steps values are those before and after; the blow on
-    dampers is left out, as in `simulate`.
+    -(ρ - 1) ġ joins the right side; the largest |g| and the derivatives of the impulse response
+    bound its effect. A load also changes by (ρ - 1) c u̇₀. Steep ramps and elevations far from the
+    first one therefore cost runs. At vertical steps the values before and after count; the impulse
+    on dampers is left out, as in `simulate`.
 
-    The number of runs grows with the length of the profile in periods up to about 1/(2ζ) of them,
-    and as 1/√tolerance when that is small.
+    The number of runs grows with the length of the profile in periods, up to about 1/(2ζ) of them,
+    and as 1/√tolerance for small tolerances.
 
     Examples
     --------

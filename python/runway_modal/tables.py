@@ -1,4 +1,4 @@
-"""Named quantities as tables (extra ``tables``, but for CSV)."""
+"""Named quantities as tables (extra ``tables``, except for CSV)."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class Quantity(NamedTuple):
     """What a table shows under one name."""
 
     name: str
-    #: None of a mere number.
+    #: None for a plain number.
     dimension: Dimension | None
-    #: One value a row, or one column for each of `labels`.
+    #: One value per row, or one column for each of `labels`.
     values: NDArray[Any]
     #: What the columns stand for, and their names.
     axis: str = ""
@@ -46,7 +46,7 @@ class Quantity(NamedTuple):
 def at_stations(
     name: str, dimension: Dimension, values: Mapping[str, NDArray[np.float64]]
 ) -> Quantity:
-    """Take a quantity that has an array a station."""
+    """Make a quantity of one array per station."""
     return Quantity(
         name, dimension, np.column_stack(list(values.values())), "station", tuple(values)
     )
@@ -60,7 +60,7 @@ def columns(quantities: Iterable[Quantity]) -> dict[str, NDArray[Any]]:
 def to_pandas(
     quantities: Sequence[Quantity], units: Units | None, index: str | None = None
 ) -> pd.DataFrame:
-    """Make a table with a column of each name, `index` apart; `attrs` keeps the units."""
+    """Make a table with one column per name, except for `index`; `attrs` keeps the units."""
     try:
         import pandas as pd
     except ImportError:
@@ -73,7 +73,7 @@ def to_pandas(
 
 
 def to_xarray(along: Quantity, quantities: Sequence[Quantity], units: Units | None) -> xr.Dataset:
-    """Make a data set along one quantity; a quantity of one row is the same all along."""
+    """Make a data set along one quantity; quantities of a single row are constant along it."""
     try:
         import xarray as xr
     except ImportError:
@@ -99,7 +99,7 @@ def to_xarray(along: Quantity, quantities: Sequence[Quantity], units: Units | No
 
 
 def write_csv(tables: Iterable[Sequence[Quantity]], units: Units, file: TextIO) -> None:
-    """Write tables with the same columns one after another, every digit kept."""
+    """Write tables with the same columns one after another, with all digits."""
     writer = csv.writer(file, lineterminator="\n")
     for i, quantities in enumerate(tables):
         found = columns(quantities)
@@ -112,7 +112,7 @@ def write_csv(tables: Iterable[Sequence[Quantity]], units: Units, file: TextIO) 
 def write_parquet(
     tables: Iterable[Sequence[Quantity]], units: Units, path: Path, index: str | None = None
 ) -> None:
-    """Write the same as Parquet; the units go with it as `to_pandas` keeps them."""
+    """Write the same as Parquet, with the units as `to_pandas` keeps them."""
     frames = [to_pandas(quantities, units, index) for quantities in tables]
     import pandas as pd
 
@@ -120,7 +120,7 @@ def write_parquet(
     table.attrs = frames[0].attrs
     try:
         table.to_parquet(path)
-    except ImportError:  # pandas does without pyarrow until now
+    except ImportError:  # pandas itself does not need pyarrow until here
         raise ImportError(_MISSING) from None
 
 

@@ -1,4 +1,4 @@
-"""What tables show of ensembles."""
+"""Tables of ensembles."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def quantities(ensemble: Ensemble) -> list[Quantity]:
-    """Everything, in the order of the columns; the run's number is the first."""
+    """All quantities in the order of the columns, the run number first."""
     gears = ensemble.gear_names
     found = [Quantity("run", None, ensemble.run), Quantity("speed", SPEED, ensemble.speed)]
     for name, dimension in DIMENSIONS.items():

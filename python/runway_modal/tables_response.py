@@ -1,4 +1,4 @@
-"""What tables show of responses, linear or not."""
+"""Tables of responses, linear or nonlinear."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _OF_GEARS = {"load": FORCE, "elevation": LENGTH, "stiffness": STIFFNESS}
 
 
 def quantities(response: Results) -> list[Quantity]:
-    """Everything, in the order of the columns; time is the first."""
+    """All quantities in the order of the columns, time first."""
     gears = response.aircraft.gear_names
     return [
         Quantity("time", TIME, response.time),

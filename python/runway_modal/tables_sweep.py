@@ -1,4 +1,4 @@
-"""What tables show of sweeps over speed."""
+"""Tables of sweeps over speed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _OF_STATIONS = {"max_acceleration": ACCELERATION, "time_of_max_acceleration": TI
 
 
 def quantities(sweep: Sweep) -> list[Quantity]:
-    """Everything, in the order of the columns; the speed is the first."""
+    """All quantities in the order of the columns, speed first."""
     gears = sweep.modes.aircraft.gear_names
     return [
         Quantity("speed", SPEED, sweep.speed),

@@ -1,4 +1,4 @@
-"""Unit conversions: the only place that knows any unit."""
+"""Unit names and conversions."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: Units of length in tenths of a millimetre, whole for all: an inch is 25.4 mm exactly, the foot
+#: Units of length in tenths of a millimetre, all whole: an inch is exactly 25.4 mm, the foot is
 #: the international one of 12 in.
 _LENGTHS = {"in": 254, "ft": 3048, "m": 10_000, "cm": 100, "mm": 10, "km": 10_000_000}
 
-#: A nautical mile is 1852 m exactly.
+#: A nautical mile is exactly 1852 m.
 _METRES_PER_SECOND = 1852.0 / 3600.0
 
 
 def length_unit(argument: str, unit: object) -> str:
-    """Pass a known unit of length."""
+    """Check a unit of length."""
     if not isinstance(unit, str) or unit not in _LENGTHS:
         raise InputError(f"{argument} = {unit!r} is none of {', '.join(map(repr, _LENGTHS))}")
     return unit
@@ -41,7 +41,7 @@ def is_length_unit(text: str) -> bool:
 
 def convert_length(values: NDArray[np.float64], unit: str, to: str) -> NDArray[np.float64]:
     """
-    Lengths given in `unit`, in the unit `to`.
+    Convert lengths from `unit` to `to`.
 
     A product and a quotient by whole numbers: correct to two roundings, to one if either unit
     holds the other a whole number of times, and the same bits if the units are the same.
@@ -128,10 +128,10 @@ _FORCES = {
     "kgf": _GRAVITY,
 }
 
-#: A thousand of it, for axes with large numbers.
+#: Names of their thousands, for axes with large numbers.
 THOUSAND = {"N": "kN", "lbf": "kip"}
 
-#: Every unit that a text may name: its size in SI and its dimension. A radian is 1.
+#: Every unit that a string may name: its size in SI and its dimension. A radian is 1.
 _UNITS: dict[str, tuple[Fraction, Dimension]] = {
     **{name: (Fraction(size, _LENGTHS["m"]), LENGTH) for name, size in _LENGTHS.items()},
     **{name: (size, FORCE) for name, size in _FORCES.items()},
@@ -155,7 +155,7 @@ _FACTOR = re.compile(r"([A-Za-z]+)\^?([1-4]?)")
 
 
 def _size(unit: str) -> tuple[Fraction, Dimension]:
-    """Size in SI and dimension of a unit such as "lbf*s2/in"; KeyError names what is unknown."""
+    """Size in SI and dimension of a unit such as "lbf*s2/in"; KeyError names an unknown part."""
     size, dimension = Fraction(1), (0, 0, 0)
     for i, part in enumerate(unit.replace("²", "2").split("/")):
         for factor in re.split(r"[\s*·]+", part.strip()):
@@ -175,7 +175,7 @@ class Units:
     """
     A consistent unit system: a length, a force and the second.
 
-    The library needs none; results get one for axes and tables.
+    The library needs none; axis labels and tables of results take one.
 
     Parameters
     ----------
@@ -246,14 +246,14 @@ class Units:
 
     def quantity(self, argument: str, value: object, dimension: Dimension) -> float:
         """
-        Pass a quantity in these units.
+        Convert a quantity to these units.
 
         Parameters
         ----------
         argument : str
-            What it is, for messages.
+            Name of the quantity, for error messages.
         value : float or str
-            A number in these units, or a text with its own, such as "1.5 in" or "38 kN/mm".
+            A number in these units, or a string with its own, such as "1.5 in" or "38 kN/mm".
         dimension : (int, int, int)
             Exponents of length, force and time.
 
@@ -265,7 +265,7 @@ class Units:
         Raises
         ------
         InputError
-            If it is no number or its unit is unknown or of another kind.
+            If it is not a number, or its unit is unknown or of the wrong kind.
 
         Examples
         --------
@@ -282,14 +282,14 @@ class Units:
         wanted = self.name(dimension)
         if not found:
             raise InputError(
-                f"{argument} = {value!r} is not a number and its unit; "
-                f"a number alone is in '{wanted}'"
+                f"{argument} = {value!r} is not a number with a unit; "
+                f"a number without one is in '{wanted}'"
             )
         try:
             size, given = _size(found[2])
         except KeyError as error:
             raise InputError(
-                f"{argument} = {value!r}: unknown unit {error.args[0]!r}; there are "
+                f"{argument} = {value!r}: unknown unit {error.args[0]!r}; known are "
                 f"{', '.join(_UNITS)}, their powers, products and quotients"
             ) from None
         if given != dimension:
@@ -304,15 +304,15 @@ class Units:
 
     def spatial_frequency(self, argument: str, value: object) -> float:
         """
-        Pass a spatial frequency in cycles per unit of length.
+        Convert a spatial frequency to cycles per unit of length.
 
         Parameters
         ----------
         argument : str
-            What it is, for messages.
+            Name of the quantity, for error messages.
         value : float or str
-            A number in cycles per unit of length, or a text with its own, "0.1 cycles/m". Radians
-            are not taken: 1 rad/m is 1/2π cycles/m.
+            A number in cycles per unit of length, or a string with its own unit, "0.1 cycles/m".
+            Radians are not accepted: 1 rad/m is 1/2π cycles/m.
 
         Returns
         -------
@@ -322,7 +322,7 @@ class Units:
         Raises
         ------
         InputError
-            If it is no number or its unit is another.
+            If it is not a number, or its unit is another.
 
         Examples
         --------
@@ -342,7 +342,7 @@ class Units:
 
     def factor(self, to: Units, dimension: Dimension) -> float:
         """
-        Factor that turns a quantity in these units into one in others.
+        Factor that converts a quantity in these units to others.
 
         Parameters
         ----------
@@ -375,11 +375,11 @@ class Units:
 
 
 def stated(units: Units | None) -> Units | None:
-    """Pass the units that a caller states for results, or none."""
+    """Check the units that a caller gives for results, which may be None."""
     if units is not None and not isinstance(units, Units):
         raise InputError(f"units = {units!r} is not a Units, such as Units('in', 'lbf')")
     return units
 
 
-#: The report's units: those of presets and of the defaults of built-in shapes.
+#: The report's units, in which presets and the defaults of built-in shapes are given.
 REPORT = Units("in", "lbf")

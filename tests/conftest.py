@@ -8,6 +8,5 @@ from hypothesis import settings
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)
 settings.load_profile("repeatable")
 
-# A shell starts what runs in the background deaf to Ctrl-C, and so deaf the tests of Ctrl-C would
-# compute on for ever.
+# Shells start background jobs with SIGINT ignored; the Ctrl-C tests would then never end.
 signal.signal(signal.SIGINT, signal.default_int_handler)

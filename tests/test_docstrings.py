@@ -7,6 +7,7 @@ import inspect
 import pkgutil
 import textwrap
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,13 @@ import runway_modal
 
 PYPROJECT = Path(__file__).parents[1] / "pyproject.toml"
 CHECKS = set(tomllib.loads(PYPROJECT.read_text())["tool"]["numpydoc_validation"]["checks"])
+
+#: They raise `InputError` for a bad argument.
+HELPERS = {
+    "_normal", "_shares", "any_array", "array", "as_tracks", "by_gear", "check_modes", "finite",
+    "flag", "integer", "lateral_positions", "length_unit", "masks", "not_negative", "number",
+    "positive", "refuse", "shown", "stated",
+}  # fmt: skip
 
 #: Read like attributes: no call, so no example of one.
 ATTRIBUTES = (property, functools.cached_property)
@@ -50,10 +58,20 @@ def is_documentable(member: object) -> bool:
     return inspect.isfunction(member) or isinstance(member, kinds)
 
 
-def raises(function: object) -> bool:
+def raises(function: Callable[..., object]) -> bool:
     """Whether a function's own text raises anything."""
-    source = textwrap.dedent(inspect.getsource(function))
-    return any(isinstance(node, ast.Raise) for node in ast.walk(ast.parse(source)))
+    return any(isinstance(node, ast.Raise) for node in ast.walk(parsed(function)))
+
+
+def refuses(function: Callable[..., object]) -> bool:
+    """Whether a function checks an argument: with a helper, or by handing on its `units`."""
+    calls = (node.func for node in ast.walk(parsed(function)) if isinstance(node, ast.Call))
+    named = {call.id for call in calls if isinstance(call, ast.Name)}
+    return bool(named & HELPERS) or "units" in inspect.signature(function).parameters
+
+
+def parsed(function: Callable[..., object]) -> ast.AST:
+    return ast.parse(textwrap.dedent(inspect.getsource(function)))
 
 
 PUBLIC = public()
@@ -67,5 +85,8 @@ def test_documented(name: str) -> None:
     wrong = [f"{code}: {text}" for code, text in result["errors"] if code in CHECKS - skipped]
     assert not wrong, f"{name} in {result['file']}:{result['file_line']}"
     function = getattr(value, "__func__", value)
-    if inspect.isfunction(function) and raises(function):
-        assert "Raises\n" in inspect.getdoc(function), f"{name} raises; Raises is missing"
+    if not inspect.isfunction(function):
+        return
+    _, _, said = inspect.getdoc(function).partition("Raises\n------\n")
+    assert said or not raises(function), f"{name} raises; Raises is missing"
+    assert "InputError\n" in said or not refuses(function), f"{name}: InputError is missing"

@@ -1,6 +1,6 @@
 //! Four numbers side by side: one an oscillator, three modes and an idle lane.
 
-use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Sub, SubAssign};
+use std::ops::{Mul, SubAssign};
 
 /// Numbers in a [`Lanes`].
 pub const LANES: usize = 4;
@@ -76,29 +76,48 @@ impl Lanes {
     }
 }
 
-impl Add for Lanes {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-}
+/// Arithmetic entry by entry, by the type's own `zip`, and access to the entries.
+macro_rules! entrywise {
+    ($type:ident) => {
+        $crate::lanes::entrywise!($type, Add::add, |a, b| a + b);
+        $crate::lanes::entrywise!($type, Sub::sub, |a, b| a - b);
+        $crate::lanes::entrywise!($type, Mul::mul, |a, b| a * b);
 
-impl Sub for Lanes {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
-    }
-}
+        impl std::ops::AddAssign for $type {
+            #[inline(always)]
+            fn add_assign(&mut self, other: Self) {
+                *self = *self + other;
+            }
+        }
 
-impl Mul for Lanes {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
-    }
+        impl std::ops::Index<usize> for $type {
+            type Output = f64;
+            #[inline(always)]
+            fn index(&self, lane: usize) -> &f64 {
+                &self.0[lane]
+            }
+        }
+
+        impl std::ops::IndexMut<usize> for $type {
+            #[inline(always)]
+            fn index_mut(&mut self, lane: usize) -> &mut f64 {
+                &mut self.0[lane]
+            }
+        }
+    };
+    ($type:ident, $trait:ident :: $method:ident, $of_entries:expr) => {
+        impl std::ops::$trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.zip(other, $of_entries)
+            }
+        }
+    };
 }
+pub(crate) use entrywise;
+
+entrywise!(Lanes);
 
 impl Mul<f64> for Lanes {
     type Output = Self;
@@ -108,31 +127,9 @@ impl Mul<f64> for Lanes {
     }
 }
 
-impl AddAssign for Lanes {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
 impl SubAssign for Lanes {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
-    }
-}
-
-impl Index<usize> for Lanes {
-    type Output = f64;
-    #[inline(always)]
-    fn index(&self, lane: usize) -> &f64 {
-        &self.0[lane]
-    }
-}
-
-impl IndexMut<usize> for Lanes {
-    #[inline(always)]
-    fn index_mut(&mut self, lane: usize) -> &mut f64 {
-        &mut self.0[lane]
     }
 }

@@ -1,12 +1,12 @@
 //! A number of each of the runs that march side by side.
 
-use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Sub};
+use crate::lanes::entrywise;
 
 /// Runs side by side.
 pub const RUNS: usize = 8;
 
-/// A number of each of the runs side by side, on which arithmetic acts run by run. One cache line;
-/// written out so that the compiler makes vector instructions of whatever width the machine has. No
+/// A number of each of the runs side by side, on which arithmetic acts run by run. Written out like
+/// [`Lanes`](crate::lanes::Lanes), but aligned to a cache line, and `max` and `min` pass over NaN. No
 /// operation mixes runs or is fused: a run's bits depend neither on its neighbours nor on the width.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
@@ -44,48 +44,4 @@ impl Row {
     }
 }
 
-impl Add for Row {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-}
-
-impl Sub for Row {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
-    }
-}
-
-impl Mul for Row {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
-    }
-}
-
-impl AddAssign for Row {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
-impl Index<usize> for Row {
-    type Output = f64;
-    #[inline(always)]
-    fn index(&self, lane: usize) -> &f64 {
-        &self.0[lane]
-    }
-}
-
-impl IndexMut<usize> for Row {
-    #[inline(always)]
-    fn index_mut(&mut self, lane: usize) -> &mut f64 {
-        &mut self.0[lane]
-    }
-}
+entrywise!(Row);

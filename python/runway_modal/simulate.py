@@ -47,9 +47,10 @@ def simulate(
         Ground speed, constant, > 0 [length/time].
     times : array_like, shape (n,), optional
         Times at which to sample, never decreasing [time]. Default: every breakpoint of every gear
-        and at least 20 points per period of the fastest mode. Where results jump, both sides are
-        sampled: the last instant before, and the time of the jump with what follows. They jump at
-        vertical steps and, under dampers with `damping_input`, wherever a slope changes.
+        and at least 20 points per period of the fastest mode. Where results jump after the first
+        time, both sides are sampled: the last instant before, and the time of the jump with what
+        follows. They jump at vertical steps and, under dampers with `damping_input`, wherever a
+        slope changes.
     duration : float, optional
         End of the default times [time]. Default: 5 after the last gear has passed the last
         breakpoint.

@@ -36,7 +36,8 @@ impl March<'_> {
         for output in 0..self.constants.weights.len() {
             for part in parts(simd) {
                 let bounds = &mut chunk_bounds[output];
-                with_view!(self, part, output, (count, legs), view => view.look(&mut records, bounds, &mut over));
+                let block = (count, legs);
+                with_view!(self, part, output, block, view => view.look(&mut records, bounds, &mut over));
             }
         }
         (self.records, self.chunk_bounds) = (records, chunk_bounds);

@@ -664,7 +664,9 @@ def simulate_many(
     With `damping_input` a load jumps where a slope begins or ends; at the last station both sides
     count. Where a mode is damped far beyond critical, the mean square of an acceleration is a
     difference of terms about ζ⁴ times as large: the relative error of `rms_acceleration` is 1e-13
-    at a damping ratio of 3 and 1e-10 at 100.
+    at a damping ratio of 3 and 1e-10 at 100. With more gears than the aircraft has degrees of
+    freedom, `rms_load` loses digits where a spacing lasts many periods: in an example of three
+    gears on the centreline 2e-12 of itself at 10 s a spacing, 4e-10 at 100 s.
 
     Examples
     --------

@@ -379,3 +379,12 @@ def test_nothing_asked_and_too_much():
         found.quantile("max_load", [[0.5]])
     with pytest.raises(rm.InputError, match="count = -1 must be at least 0"):
         found.worst("nose", -1)
+
+
+def test_without_dampers_their_input_changes_nothing():
+    modes, elevations = rm.f4e().modes(0.02), runways(9)
+    plain, asked = (
+        rm.simulate_many(modes, elevations, 10.0, 500.0, damping_input=flag)
+        for flag in (False, True)
+    )
+    np.testing.assert_array_equal(bits(plain), bits(asked))

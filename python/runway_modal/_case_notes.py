@@ -58,6 +58,6 @@ def _on_grades(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:
     for rise, names in by_grade.items():
         yield (
             f"NOTE: from end to end the track under {', '.join(names)} rises by {rise}. The runway "
-            "is level before and after it, and loads at these kinks count; detrend = true removes "
-            "the grade"
+            "is level before and after it, and loads at these kinks count (in a track read from a "
+            "file, detrend = true removes the grade)"
         )

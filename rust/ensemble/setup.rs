@@ -297,7 +297,7 @@ impl Setup {
         let per_rise = |rate: Lanes| rate * (1.0 / spacing);
         let climb: Vec<Lanes> = order.iter().map(|&track| per_rise(run.tracks[track].climb)).collect();
         let kinked = |form: &Form, group: usize| jumps(form.d * bank.omega, climb[group]);
-        let layout = division.layout(count, damping_input, (loads, &forms), kinked);
+        let layout = division.layout(count, run.damping_input, (loads, &forms), kinked);
         let mut setup = Self {
             begin: begins.iter().map(|begin| begin / spacing).collect(),
             part: layout.groups.iter().map(|group| begins[group.leg] / spacing).collect(),

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 import runway_modal as rm
+from runway_modal import nonlinear
 
 #: Relative to the larger of |maximum| and |minimum|.
 TOLERANCE = 1e-10
@@ -223,6 +224,30 @@ def test_window_covers_first_to_last_time_only() -> None:
         check(window, knots=response.time)
 
 
+UPHILL = rm.Profile([0, 400, 410, 420, 4000], [0.0, 1.0, 3.0, 3.5, 5.0])
+
+
+@pytest.mark.parametrize(
+    "response",
+    [
+        rm.simulate(craft().modes(0.01), UPHILL, rm.knots(100)),
+        nonlinear.simulate(nonlinear.f4e(), UPHILL, rm.knots(100)),
+    ],
+    ids=["linear", "nonlinear"],
+)
+def test_where_loads_are_largest_and_smallest(
+    response: rm.Response | nonlinear.Response,
+) -> None:
+    extremes = response.extremes()
+    for where, when in (
+        (extremes.position_of_max, extremes.time_of_max),
+        (extremes.position_of_min, extremes.time_of_min),
+    ):
+        # Every elevation occurs once: that under the gear tells where it is.
+        under = [response.at(time).elevation[0, gear] for gear, time in enumerate(when)]
+        np.testing.assert_allclose(UPHILL.elevation(where), under, rtol=1e-12)
+
+
 def test_one_time_is_its_own_extreme() -> None:
     one = rm.simulate(craft().modes(0.01), PROFILES["mat"], rm.knots(20)).at(1.2345)
     extremes = one.extremes()
@@ -324,7 +349,11 @@ def test_extremes_show_names_and_numbers() -> None:
     assert [line[0] for line in lines] == ["gear", "nose", "left", "right", "station", "cg"]
     for row, name in enumerate(found.gear_names):
         numbers = [float(text) for text in lines[1 + row][1:]]
-        expected = [found.max_load, found.time_of_max, found.min_load, found.time_of_min]
+        expected = [
+            found.static_load, found.max_load, found.max_load / found.static_load,
+            found.time_of_max, found.position_of_max,
+            found.min_load, found.time_of_min, found.position_of_min,
+        ]  # fmt: skip
         np.testing.assert_allclose(numbers, [each[row] for each in expected], rtol=1e-5)
         assert lines[1 + row][0] == name
     assert float(lines[5][-2]) == pytest.approx(found.max_acceleration["cg"], rel=1e-5)

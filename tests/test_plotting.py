@@ -33,6 +33,27 @@ def test_loads_and_static_loads_into_given_axes(
     assert load.get_ydata().max() < high
 
 
+@pytest.mark.parametrize("response", [RESPONSE, NONLINEAR], ids=["linear", "nonlinear"])
+def test_accelerations_in_g_against_distance(
+    response: rm.Response | nonlinear.Response,
+) -> None:
+    axes = Figure().subplots()
+    assert response.plot_acceleration(["cg"], against="distance", ax=axes, units=INCHES) is axes
+    curve, *limits = axes.get_lines()
+    np.testing.assert_array_equal(curve.get_xdata(), response.distance)
+    expected = response.acceleration["cg"] / response.aircraft.gravity
+    np.testing.assert_array_equal(curve.get_ydata(), expected)
+    assert [line.get_ydata()[0] for line in limits] == [0.4, -0.4]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["cg", "±0.4 g"]
+    assert axes.get_xlabel() == "distance of the foremost gear [in]"
+    response.plot_acceleration(["cg"], against="distance", ax=axes)
+    _, *again = axes.get_lines()
+    assert [line.get_label() for line in again if line.get_label()[0] != "_"] == ["±0.4 g", "cg"]
+    assert again[-1].get_color() != curve.get_color()
+    loads = response.plot(["nose"], against="distance", ax=Figure().subplots())
+    np.testing.assert_array_equal(loads.get_lines()[0].get_xdata(), response.distance)
+
+
 def test_without_units_nothing_is_scaled_or_named() -> None:
     axes = RESPONSE.plot(ax=Figure().subplots())
     np.testing.assert_array_equal(axes.get_lines()[1].get_ydata(), RESPONSE.load[:, 1])
@@ -117,6 +138,11 @@ def test_unknown_gear_and_missing_extra(monkeypatch: pytest.MonkeyPatch) -> None
         RESPONSE.plot("nose")
     with pytest.raises(rm.InputError, match="gears is empty"):
         RESPONSE.plot([])
+    with pytest.raises(rm.InputError, match=r"stations\[0\] = 'tail': no such station"):
+        RESPONSE.plot_acceleration(["tail"])
+    for plot in (RESPONSE.plot, RESPONSE.plot_acceleration):
+        with pytest.raises(rm.InputError, match="against = 'load' is neither"):
+            plot(against="load")
     with pytest.raises(rm.InputError, match="responses is empty"):
         loads_over_profile({}, {"nose": ""})
     monkeypatch.setitem(sys.modules, "matplotlib", None)
@@ -147,7 +173,8 @@ def test_a_single_point_is_to_be_seen() -> None:
     modes, mat = rm.f4e().modes(0.01), rm.Profile.full_mat()
     at_once, sweep = rm.simulate(modes, mat, 400.0, times=[1.0]), rm.sweep(modes, mat, 400.0)
     figure = loads_over_profile({"run": at_once}, {"left": "Main gear"})
-    for ax in (at_once.plot(), sweep.plot(), sweep.plot_acceleration(), *figure.axes):
+    plots = at_once.plot, at_once.plot_acceleration, sweep.plot, sweep.plot_acceleration
+    for ax in (*(plot() for plot in plots), *figure.axes):
         markers = [line.get_marker() for line in ax.lines if len(line.get_xdata()) == 1]
         assert set(markers) == {"o"}
     assert all(line.get_marker() != "o" for line in rm.simulate(modes, mat, 400.0).plot().lines)

@@ -16,6 +16,10 @@ from runway_modal.units import Units
 
 KNOT = rm.knots(1.0)
 
+LOADS = (
+    "max_load", "time_of_max", "position_of_max", "min_load", "time_of_min", "position_of_min",
+)  # fmt: skip
+
 
 def craft() -> rm.Aircraft:
     """Crooked aircraft with dampers and a pilot."""
@@ -60,7 +64,7 @@ def test_every_speed_is_a_run_of_its_own(profile: str, damping_input: bool) -> N
         assert (sweep.speed == speeds).all()
         for i, speed in enumerate(speeds):
             alone = rm.simulate(modes, tracks, speed, damping_input=damping_input).extremes()
-            for name in ("max_load", "time_of_max", "min_load", "time_of_min"):
+            for name in LOADS:
                 assert (getattr(sweep, name)[i] == getattr(alone, name)).all()
             for name in ("max_acceleration", "time_of_max_acceleration"):
                 assert list(getattr(sweep, name)) == ["cg", "pilot"]

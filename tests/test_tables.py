@@ -72,10 +72,11 @@ def test_a_sweep_shows_every_result() -> None:
     sweep = rm.sweep(modes, MAT, rm.knots([60.0, 20.0]))
     table, data = sweep.to_pandas(INCHES), sweep.to_xarray(INCHES)
     assert table.columns[0] == "speed"
-    assert len(table.columns) == 1 + 4 * 3 + 2 * 2
+    assert len(table.columns) == 1 + 6 * 3 + 2 * 2
     np.testing.assert_array_equal(table["speed"], sweep.speed)
     for name, unit in (
         ("max_load", "lbf"), ("min_load", "lbf"), ("time_of_max", "s"), ("time_of_min", "s"),
+        ("position_of_max", "in"), ("position_of_min", "in"),
     ):  # fmt: skip
         np.testing.assert_array_equal(data[name].sel(gear="left"), getattr(sweep, name)[:, 1])
         np.testing.assert_array_equal(table[f"{name}_left"], getattr(sweep, name)[:, 1])

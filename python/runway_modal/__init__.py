@@ -7,11 +7,12 @@ Any consistent unit system will do; the 1980 report's is lbf, in, s. Start at `s
 from ._core import InputError, NumericalError, __version__
 from .aircraft import Aircraft, Gear, equivalent_stiffness, f4e, single_dof
 from .ensemble import Ensemble, Estimate, simulate_many
+from .extremes import Extremes
 from .modes import Modes
 from .profile import Profile
 from .profile_csv import read_csv, write_csv
 from .profile_erd import read_erd, write_erd
-from .response import Extremes, Response
+from .response import Response
 from .roughness import Roughness, monte_carlo
 from .simulate import simulate
 from .sweep import Sweep, WorstSpeed, sweep, worst_speed

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from ._core import InputError
 from .units import THOUSAND, stated
@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 
 DASHES = ("-", "--", ":")
+
+#: Vertical acceleration at pilot and CG beyond which a runway counts as rough [g]; published:
+#: Morris and Hall, NASA 1965; Navy CEL TR-846, 1976.
+ACCELERATION_LIMIT = 0.4
 
 #: Dashes of static loads, longer than any in `DASHES`.
 STATIC_DASHES = (0, (6, 3))
@@ -55,6 +59,18 @@ def load_unit(units: Units | None) -> tuple[float, str]:
     return 1.0, f" [{units.force}]"
 
 
+class _Aircraft(Protocol):
+    @property
+    def gravity(self) -> float: ...
+
+
+def in_g(what: str, aircraft: _Aircraft) -> float:
+    """Check the gravity that accelerations are drawn in."""
+    if not aircraft.gravity:
+        raise InputError(f"{what}: the aircraft's gravity is 0, so there is no g to draw in")
+    return aircraft.gravity
+
+
 def shown(argument: str, names: Sequence[str] | None, there: Sequence[str], kind: str) -> list[str]:
     """Check the names of what is to be drawn; by default all there are."""
     if isinstance(names, str):
@@ -88,6 +104,16 @@ def marker(at: Sized) -> str:
 def mark_static(ax: Axes, load: float, color: str, label: str = "") -> None:
     """Mark a static load with a dashed line."""
     ax.axhline(load, color=color, lw=0.9, ls=STATIC_DASHES, label=label)
+
+
+def mark_limits(ax: Axes, *signs: float) -> None:
+    """Mark the acceleration beyond which a runway counts as rough, once, on an axis in g."""
+    label = f"±{ACCELERATION_LIMIT} g"
+    if label in ax.get_legend_handles_labels()[1]:
+        return
+    for i, sign in enumerate(signs):
+        level = sign * ACCELERATION_LIMIT
+        ax.axhline(level, color="0.2", lw=0.9, ls="--", label="" if i else label)
 
 
 def legend_above(ax: Axes) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Protocol, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, Literal, Protocol, TypeAlias
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -18,9 +18,15 @@ if TYPE_CHECKING:
     Array: TypeAlias = NDArray[np.float64]
 
 
+#: What a response may be drawn against.
+Against: TypeAlias = Literal["time", "distance"]
+
+
 class _Aircraft(Protocol):
     @property
     def gear_names(self) -> tuple[str, ...]: ...
+    @property
+    def gravity(self) -> float: ...
 
 
 class Results(Protocol):
@@ -58,16 +64,19 @@ class Shown:
         self: Results,
         gears: Sequence[str] | None = None,
         *,
+        against: Against = "time",
         ax: Axes | None = None,
         units: Units | None = None,
     ) -> Axes:
         """
-        Draw gear loads against time, with static loads as dashed lines.
+        Draw gear loads, with static loads as dashed lines.
 
         Parameters
         ----------
         gears : sequence of str, optional
             Gears to draw. Default: all.
+        against : {"time", "distance"}
+            Abscissa; distance is that of the foremost gear past station 0.
         ax : matplotlib.axes.Axes, optional
             Axes to draw on. Default: those of a new figure.
         units : Units, optional
@@ -81,8 +90,8 @@ class Shown:
         Raises
         ------
         InputError
-            If a gear is unknown, `gears` is empty or a single name, or `units` is not
-            a `Units`.
+            If a gear is unknown, `gears` is empty or a single name, `against` is neither, or
+            `units` is not a `Units`.
         ImportError
             If matplotlib is not installed.
 
@@ -97,7 +106,57 @@ class Shown:
         """
         from .plotting import plot_loads
 
-        return plot_loads(self, gears, ax, units)
+        return plot_loads(self, gears, against, ax, units)
+
+    def plot_acceleration(
+        self: Results,
+        stations: Sequence[str] | None = None,
+        *,
+        against: Against = "time",
+        ax: Axes | None = None,
+        units: Units | None = None,
+    ) -> Axes:
+        """
+        Draw vertical accelerations in g, with lines at ±0.4 g.
+
+        The lines are the limit at the pilot's station and the centre of gravity (published:
+        Morris and Hall, NASA 1965; Navy CEL TR-846, 1976). The g is the aircraft's gravity.
+
+        Parameters
+        ----------
+        stations : sequence of str, optional
+            Stations of `Aircraft.stations` to draw. Default: all.
+        against : {"time", "distance"}
+            Abscissa; distance is that of the foremost gear past station 0.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw on. Default: those of a new figure.
+        units : Units, optional
+            Units of the response, for the axis labels.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        InputError
+            If a station is unknown, `stations` is empty or a single name, `against` is neither,
+            `units` is not a `Units`, or the aircraft's gravity is 0.
+        ImportError
+            If matplotlib is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> from matplotlib.figure import Figure
+        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+        >>> response.plot_acceleration(against="distance", ax=Figure().subplots()).get_ylabel()
+        'vertical acceleration [g]'
+        """
+        from .plotting import plot_accelerations
+
+        return plot_accelerations(self, stations, against, ax, units)
 
     def to_pandas(self: Results, units: Units | None = None) -> pd.DataFrame:
         """

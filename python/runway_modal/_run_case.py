@@ -71,16 +71,18 @@ def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) ->
     width = max(7, *map(len, gears), *map(len, response.acceleration))
     extremes, unloaded = response.extremes(), response.unloaded
     yield f"Speed {stated_speed(case, name)}, {response.time[0]:.4g} to {response.time[-1]:.4g} s"
-    heads = [f"{what} [{units.force}]" for what in ("static", "largest", "smallest")]
-    yield (
-        f"  {'gear':<{width}} {heads[0]:>15} {heads[1]:>16}     at [s] {heads[2]:>17}     at [s]"
-    )
+    force, where = f"[{units.force}]", f"     at [s] {f'at [{units.length}]':>10}"
+    heads = f"{f'static {force}':>15} {f'largest {force}':>16}  ÷ static"
+    yield f"  {'gear':<{width}} {heads}{where} {f'smallest {force}':>17}{where}"
     digits = 1 if response.static_load.max() >= 1e3 else 4
     for g, gear in enumerate(gears):
+        factor = extremes.max_load[g] / response.static_load[g]
         yield (
             f"  {gear:<{width}} {response.static_load[g]:15.{digits}f}"
-            f" {extremes.max_load[g]:16.{digits}f} {extremes.time_of_max[g]:10.4f}"
-            f" {extremes.min_load[g]:17.{digits}f} {extremes.time_of_min[g]:10.4f}"
+            f" {extremes.max_load[g]:16.{digits}f} {factor:9.3f}"
+            f" {extremes.time_of_max[g]:10.4f} {extremes.position_of_max[g]:10.2f}"
+            f" {extremes.min_load[g]:17.{digits}f}"
+            f" {extremes.time_of_min[g]:10.4f} {extremes.position_of_min[g]:10.2f}"
             + ("  UNLOADS" if unloaded[g] else "")
         )
     yield f"  {'station':<{width}}   largest vertical acceleration [g]     at [s]"
@@ -129,8 +131,10 @@ def _results(case: Case, name: str, response: Response | nonlinear.Response) -> 
         "static_load": by_gear(response.static_load),
         "max_load": by_gear(extremes.max_load),
         "time_of_max": by_gear(extremes.time_of_max),
+        "position_of_max": by_gear(extremes.position_of_max),
         "min_load": by_gear(extremes.min_load),
         "time_of_min": by_gear(extremes.time_of_min),
+        "position_of_min": by_gear(extremes.position_of_min),
         "unloaded": by_gear(response.unloaded),
         "max_acceleration": extremes.max_acceleration,
         "time_of_max_acceleration": extremes.time_of_max_acceleration,

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from textwrap import fill
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ._axes import (
     DASHES,
     axis_label,
+    in_g,
     legend_above,
     line_style,
     load_unit,
+    mark_limits,
     mark_static,
     marker,
     new_axes,
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from ._results import Results
+    from ._results import Against, Results
     from .profile import Profile
     from .units import Units
 
@@ -41,7 +43,7 @@ def loads_over_profile(
     title: str = "",
     *,
     units: Units | None = None,
-    against: Literal["time", "distance"] = "time",
+    against: Against = "time",
 ) -> Figure:
     """
     Draw gear loads over the profile that causes them.
@@ -89,8 +91,7 @@ def loads_over_profile(
         raise InputError(f"responses = {responses!r} is not a mapping from labels to responses")
     if not responses:
         raise InputError("responses is empty")
-    if against not in ("time", "distance"):
-        raise InputError(f"against = {against!r} is neither 'time' nor 'distance'")
+    abscissa = _abscissa(against, units)
     columns = _columns(next(iter(responses.values())), gears)
     heights = [3.0] * len(gears) + [1.2]
     figure = Figure(figsize=(8.0, 2.6 * len(gears) + 1.8), layout="constrained")
@@ -102,25 +103,61 @@ def loads_over_profile(
     ends = np.array([getattr(run, against)[[0, -1]] for run in responses.values()])
     if ends.min() < ends.max():
         ground.set_xlim(ends.min(), ends.max())
-    if against == "time":
-        ground.set_xlabel(axis_label("time", TIME, units))
-    else:
-        ground.set_xlabel(axis_label("distance of the foremost gear", LENGTH, units))
+    ground.set_xlabel(abscissa)
     if title:
         figure.suptitle(title)
     return figure
 
 
 def plot_loads(
-    response: Results, gears: Sequence[str] | None, ax: Axes | None, units: Units | None
+    response: Results,
+    gears: Sequence[str] | None,
+    against: Against,
+    ax: Axes | None,
+    units: Units | None,
 ) -> Axes:
     """Draw what `Response.plot` documents."""
+    abscissa = _abscissa(against, units)
     names = shown("gears", gears, response.aircraft.gear_names, "gear")
     columns = _columns(response, {gear: gear for gear in names})
     ax = ax or new_axes()
-    _draw_loads(ax, [(gear, response, column) for gear, column in columns], units, "time")
-    ax.set_xlabel(axis_label("time", TIME, units))
+    _draw_loads(ax, [(gear, response, column) for gear, column in columns], units, against)
+    ax.set_xlabel(abscissa)
     return ax
+
+
+def plot_accelerations(
+    response: Results,
+    stations: Sequence[str] | None,
+    against: Against,
+    ax: Axes | None,
+    units: Units | None,
+) -> Axes:
+    """Draw what `Response.plot_acceleration` documents."""
+    abscissa = _abscissa(against, units)
+    wanted = shown("stations", stations, tuple(response.acceleration), "station")
+    gravity = in_g("response", response.aircraft)
+    ax = ax or new_axes()
+    at = getattr(response, against)
+    # One less than the labels there are: the limits have one.
+    for i, station in enumerate(wanted, max(0, len(ax.get_legend_handles_labels()[1]) - 1)):
+        color, dashes = line_style(i)
+        share = response.acceleration[station] / gravity
+        ax.plot(at, share, color, ls=dashes, lw=1.2, marker=marker(at), label=station)
+    mark_limits(ax, 1.0, -1.0)
+    ax.set_xlabel(abscissa)
+    ax.set_ylabel("vertical acceleration [g]")
+    legend_above(ax)
+    return ax
+
+
+def _abscissa(against: Against, units: Units | None) -> str:
+    """Label of the axis that a response is drawn against."""
+    if against == "time":
+        return axis_label("time", TIME, units)
+    if against == "distance":
+        return axis_label("distance of the foremost gear", LENGTH, units)
+    raise InputError(f"against = {against!r} is neither 'time' nor 'distance'")
 
 
 def _columns(response: Results, gears: Mapping[str, str]) -> list[tuple[str, int]]:
@@ -131,7 +168,7 @@ def _columns(response: Results, gears: Mapping[str, str]) -> list[tuple[str, int
 
 
 def _draw_loads(
-    ax: Axes, lines: Sequence[tuple[str, Results, int]], units: Units | None, against: str
+    ax: Axes, lines: Sequence[tuple[str, Results, int]], units: Units | None, against: Against
 ) -> None:
     """Draw loads by label, response and column, each static load once."""
     scale, unit = load_unit(units)
@@ -162,7 +199,7 @@ def _draw_elevations(
     responses: Mapping[str, Results],
     columns: Sequence[tuple[str, int]],
     units: Units | None,
-    against: str,
+    against: Against,
 ) -> None:
     """Draw the elevations under gears by label; equal elevations share a line."""
     from matplotlib.lines import Line2D
@@ -200,7 +237,7 @@ def _draw_elevations(
 
 
 def _same_ground(
-    one: Results, other: Results, columns: Sequence[tuple[str, int]], against: str
+    one: Results, other: Results, columns: Sequence[tuple[str, int]], against: Against
 ) -> bool:
     """Whether two runs meet the same elevations at the same time or distance."""
     at, there = getattr(one, against), getattr(other, against)

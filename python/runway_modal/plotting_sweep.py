@@ -8,9 +8,11 @@ import numpy as np
 
 from ._axes import (
     STATIC_DASHES,
+    in_g,
     legend_above,
     line_style,
     load_unit,
+    mark_limits,
     mark_static,
     marker,
     nested_width,
@@ -27,10 +29,6 @@ if TYPE_CHECKING:
 
     from .sweep import Sweep
     from .units import Units
-
-#: Vertical acceleration at pilot and CG beyond which a runway counts as rough [g]; published:
-#: Morris and Hall, NASA 1965; Navy CEL TR-846, 1976.
-ACCELERATION_LIMIT = 0.4
 
 
 def plot_loads(
@@ -66,14 +64,15 @@ def plot_accelerations(
 ) -> Axes:
     """Draw what `Sweep.plot_acceleration` documents."""
     wanted = shown("stations", stations, tuple(sweep.max_acceleration), "station")
+    gravity = in_g("sweep", sweep.modes.aircraft)
     ax = ax or new_axes()
     order = np.argsort(sweep.speed)
     speed = _speed(ax, sweep.speed[order], units)
     for i, station in enumerate(wanted):
-        share = sweep.max_acceleration[station][order] / sweep.modes.aircraft.gravity
+        share = sweep.max_acceleration[station][order] / gravity
         color, dashes = line_style(i)
         ax.plot(speed, share, color, ls=dashes, lw=1.3, marker=marker(speed), label=station)
-    ax.axhline(ACCELERATION_LIMIT, color="0.2", lw=0.9, ls="--", label="±0.4 g")
+    mark_limits(ax, 1.0)
     ax.set_ylabel("largest |vertical acceleration| [g]")
     legend_above(ax)
     ax.set_ylim(bottom=0.0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from ._input import any_array, array, read_only
 from ._results import Shown
-from ._text import table
+from .extremes import Extremes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,69 +19,6 @@ if TYPE_CHECKING:
     from . import _core
     from .aircraft import Aircraft
     from .modes import Modes
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Extremes:
-    """
-    True extremes of a response over its time span, between samples too.
-
-    Returned by `Response.extremes`. Found as zeros of the derivative of the continuous solution.
-    At a jump both sides count; the impulse of a vertical step on a damper does not (see
-    `simulate`). Of equal peaks the first is reported.
-
-    Parameters
-    ----------
-    gear_names : tuple of str
-        Names of the gears, in the order of the columns.
-    max_load : ndarray, shape (g,)
-        Largest compression load of each gear [force].
-    time_of_max : ndarray, shape (g,)
-        When it occurs [time].
-    min_load : ndarray, shape (g,)
-        Smallest compression load of each gear; ≤ 0 where the gear unloads [force].
-    time_of_min : ndarray, shape (g,)
-        When it occurs [time].
-    max_acceleration : dict of str to float
-        Largest magnitude of vertical acceleration at each station [length/time²].
-    time_of_max_acceleration : dict of str to float
-        When it occurs [time].
-
-    Examples
-    --------
-    >>> import runway_modal as rm
-    >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
-    >>> response.extremes().time_of_max.round(2)
-    array([2.71, 3.27, 3.27])
-    >>> response.extremes()
-    gear       max_load          at    min_load          at
-    nose        12939.7     2.70978     4915.21     4.02387
-    left        43685.9     3.26619     3516.15     3.00471
-    right       43685.9     3.26619     3516.15     3.00471
-    station  max |acc.|          at
-    cg          296.625     3.00649
-    """
-
-    gear_names: tuple[str, ...]
-    max_load: NDArray[np.float64]
-    time_of_max: NDArray[np.float64]
-    min_load: NDArray[np.float64]
-    time_of_min: NDArray[np.float64]
-    max_acceleration: dict[str, float]
-    time_of_max_acceleration: dict[str, float]
-
-    def __repr__(self) -> str:
-        """Make a table: one line per gear, one line per station."""
-        loads = (self.max_load, self.time_of_max, self.min_load, self.time_of_min)
-        accelerations = (self.max_acceleration.values(), self.time_of_max_acceleration.values())
-        return table(
-            [
-                ("gear", "max_load", "at", "min_load", "at"),
-                *zip(self.gear_names, *loads, strict=True),
-                ("station", "max |acc.|", "at"),
-                *zip(self.max_acceleration, *accelerations, strict=True),
-            ]
-        )
 
 
 class Response(Shown):
@@ -280,7 +216,8 @@ class Response(Shown):
         loads, accelerations, times = self._run.extremes(self._stations(), begin, end)
         stations = self.aircraft.stations
         return Extremes(
-            gear_names=self.aircraft.gear_names,
+            aircraft=self.aircraft,
+            speed=self.speed,
             max_load=loads[0],
             time_of_max=loads[1],
             min_load=loads[2],

@@ -11,6 +11,7 @@ from . import _core
 from ._core import InputError
 from ._input import any_array, array, flag, integer, number, read_only
 from ._tracks import by_gear
+from .extremes import positions
 from .modes import Modes, check_modes
 
 if TYPE_CHECKING:
@@ -72,6 +73,16 @@ class Sweep:
     def static_load(self) -> NDArray[np.float64]:
         """Compression load of each gear in equilibrium on a level runway, shape (g,) [force]."""
         return self.modes.aircraft.static_load
+
+    @property
+    def position_of_max(self) -> NDArray[np.float64]:
+        """Station of the runway under each gear at its largest load, shape (s, g) [length]."""
+        return positions(self.modes.aircraft, self.speed[:, None], self.time_of_max)
+
+    @property
+    def position_of_min(self) -> NDArray[np.float64]:
+        """Station of the runway under each gear at its smallest load, shape (s, g) [length]."""
+        return positions(self.modes.aircraft, self.speed[:, None], self.time_of_min)
 
     @property
     def unloaded(self) -> NDArray[np.bool_]:
@@ -174,8 +185,6 @@ class Sweep:
         """
         from .plotting_sweep import plot_accelerations
 
-        if not self.modes.aircraft.gravity:
-            raise InputError("sweep: the aircraft's gravity is 0, so there is no g to draw in")
         return plot_accelerations(self, stations, ax, units)
 
     def to_pandas(self, units: Units | None = None) -> pd.DataFrame:
@@ -190,8 +199,9 @@ class Sweep:
         Returns
         -------
         pandas.DataFrame
-            Columns speed, and max_load, time_of_max, min_load, time_of_min, each with _<gear>,
-            and max_acceleration and time_of_max_acceleration, each with _<station>.
+            Columns speed, and max_load, time_of_max, position_of_max, min_load, time_of_min,
+            position_of_min, each with _<gear>, and max_acceleration and
+            time_of_max_acceleration, each with _<station>.
 
         Raises
         ------

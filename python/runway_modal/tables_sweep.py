@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from . import tables
 from .tables import Quantity, at_stations
-from .units import ACCELERATION, FORCE, SPEED, TIME
+from .units import ACCELERATION, FORCE, LENGTH, SPEED, TIME
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -15,7 +15,14 @@ if TYPE_CHECKING:
     from .sweep import Sweep
     from .units import Units
 
-_OF_GEARS = {"max_load": FORCE, "time_of_max": TIME, "min_load": FORCE, "time_of_min": TIME}
+_OF_GEARS = {
+    "max_load": FORCE,
+    "time_of_max": TIME,
+    "position_of_max": LENGTH,
+    "min_load": FORCE,
+    "time_of_min": TIME,
+    "position_of_min": LENGTH,
+}
 
 _OF_STATIONS = {"max_acceleration": ACCELERATION, "time_of_max_acceleration": TIME}
 

@@ -12,7 +12,7 @@ from runway_modal._core import InputError
 from runway_modal._input import any_array, array, number, read_only, refuse
 from runway_modal._results import Shown
 from runway_modal.aircraft import equivalent_stiffness
-from runway_modal.response import Extremes
+from runway_modal.extremes import Extremes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -309,7 +309,8 @@ class Response(Shown):
         upward, downward = best[2 * gears :].reshape(2, -1)
         larger = np.where(upward >= downward, 0, len(stations)) + np.arange(len(stations))
         return Extremes(
-            gear_names=self.aircraft.gear_names,
+            aircraft=self.aircraft,
+            speed=self.speed,
             max_load=read_only(best[:gears].copy()),
             time_of_max=read_only(when[:gears].copy()),
             min_load=read_only(0.0 - best[gears : 2 * gears]),

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from runway_modal import nonlinear
-    from runway_modal.response import Extremes, Response
+    from runway_modal.extremes import Extremes
+    from runway_modal.response import Response
 
     from .tables import Stiffness
 

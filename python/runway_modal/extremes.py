@@ -1,0 +1,132 @@
+"""True extremes of one run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from ._input import read_only
+from ._text import table
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+class _Gear(Protocol):
+    @property
+    def x(self) -> float: ...
+
+
+class _Aircraft(Protocol):
+    """What linear and nonlinear aircraft share."""
+
+    @property
+    def gears(self) -> Sequence[_Gear]: ...
+    @property
+    def gear_names(self) -> tuple[str, ...]: ...
+    @property
+    def static_load(self) -> NDArray[np.float64]: ...
+
+
+def positions(
+    aircraft: _Aircraft, speed: float | NDArray[np.float64], times: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Stations of the runway that gears are at, one column of times per gear."""
+    arms = [gear.x for gear in aircraft.gears]
+    front = max(arms)
+    return read_only(times * speed - [front - arm for arm in arms])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Extremes:
+    """
+    True extremes of a response over its time span, between samples too.
+
+    Returned by `Response.extremes`. Found as zeros of the derivative of the continuous solution.
+    At a jump both sides count; the impulse of a vertical step on a damper does not (see
+    `simulate`). Of equal peaks the first is reported.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        The aircraft of the run.
+    speed : float
+        Ground speed [length/time].
+    max_load : ndarray, shape (g,)
+        Largest compression load of each gear [force].
+    time_of_max : ndarray, shape (g,)
+        When it occurs [time].
+    min_load : ndarray, shape (g,)
+        Smallest compression load of each gear; ≤ 0 where the gear unloads [force].
+    time_of_min : ndarray, shape (g,)
+        When it occurs [time].
+    max_acceleration : dict of str to float
+        Largest magnitude of vertical acceleration at each station [length/time²].
+    time_of_max_acceleration : dict of str to float
+        When it occurs [time].
+
+    Examples
+    --------
+    >>> import runway_modal as rm
+    >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+    >>> extremes = response.extremes()
+    >>> extremes.position_of_max.round(1)
+    array([1097.7, 1043.8, 1043.8])
+    >>> (extremes.max_load / extremes.static_load).round(2)
+    array([1.45, 1.85, 1.85])
+    >>> extremes
+    gear       static  max_load  / static      time  position  min_load      time  position
+    nose      8921.76   12939.7   1.45035   2.70978   1097.66   4915.21   4.02387   1629.97
+    left      23627.1   43685.9   1.84898   3.26619    1043.8   3516.15   3.00471   937.879
+    right     23627.1   43685.9   1.84898   3.26619    1043.8   3516.15   3.00471   937.879
+    station  |accel.|      time
+    cg        296.625   3.00649
+    """
+
+    aircraft: _Aircraft
+    speed: float
+    max_load: NDArray[np.float64]
+    time_of_max: NDArray[np.float64]
+    min_load: NDArray[np.float64]
+    time_of_min: NDArray[np.float64]
+    max_acceleration: dict[str, float]
+    time_of_max_acceleration: dict[str, float]
+
+    @property
+    def gear_names(self) -> tuple[str, ...]:
+        """Names of the gears, in the order of the columns."""
+        return self.aircraft.gear_names
+
+    @property
+    def static_load(self) -> NDArray[np.float64]:
+        """Compression load of each gear in equilibrium on a level runway, shape (g,) [force]."""
+        return self.aircraft.static_load
+
+    @property
+    def position_of_max(self) -> NDArray[np.float64]:
+        """Station of the runway under each gear at its largest load, shape (g,) [length]."""
+        return positions(self.aircraft, self.speed, self.time_of_max)
+
+    @property
+    def position_of_min(self) -> NDArray[np.float64]:
+        """Station of the runway under each gear at its smallest load, shape (g,) [length]."""
+        return positions(self.aircraft, self.speed, self.time_of_min)
+
+    def __repr__(self) -> str:
+        """Make a table: one line per gear, one line per station."""
+        largest = (self.max_load, self.max_load / self.static_load)
+        smallest = (self.min_load, self.time_of_min, self.position_of_min)
+        loads = (self.static_load, *largest, self.time_of_max, self.position_of_max, *smallest)
+        accelerations = (self.max_acceleration.values(), self.time_of_max_acceleration.values())
+        where = ("time", "position")
+        return table(
+            [
+                ("gear", "static", "max_load", "/ static", *where, "min_load", *where),
+                *zip(self.gear_names, *loads, strict=True),
+                ("station", "|accel.|", "time"),
+                *zip(self.max_acceleration, *accelerations, strict=True),
+            ]
+        )

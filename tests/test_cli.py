@@ -168,8 +168,9 @@ def test_one_speed_spelled_twice_is_two_runs(case: Path) -> None:
         (["--figure", "a.xyz"], "figure a.xyz: "),
         (["--csv", "./case.toml"], "csv ./case.toml: that is the case file"),
         (["--csv", "a.b", "--json", "./a.b"], "json ./a.b: already taken by csv"),
-        (["--csv", "none/a.csv"], "error: none/a.csv: No such file or directory"),
-        (["--parquet", "none/a.parquet"], "'none'"),
+        (["--csv", "none/a.csv"], "csv none/a.csv: no such directory"),
+        (["--csv", "a.xlsx"], "csv a.xlsx: what is written is csv, not xlsx"),
+        (["--parquet", "a.csv"], "parquet a.csv: what is written is parquet, not csv"),
     ],
 )
 def test_refused_files(

@@ -173,7 +173,7 @@ def test_any_run_can_be_shown_in_full(
     assert lines[0] == f"F-4E: random runway {run}"
     for g, gear in enumerate(ensemble.gear_names):
         (line,) = (line for line in lines if line.startswith(f"  {gear} "))
-        _, largest, _, smallest, *_ = numbers(line)
+        _, largest, _, _, _, smallest, *_ = numbers(line)
         assert largest == pytest.approx(ensemble.max_load[run, g], abs=0.0501)
         assert smallest == pytest.approx(ensemble.min_load[run, g], abs=0.0501)
     # To all digits, by what the command is made of.

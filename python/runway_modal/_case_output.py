@@ -1,15 +1,16 @@
-"""What the commands that run a case share: where results go, and the table of modes."""
+"""Where the results of a case go: standard output and files."""
 
 from __future__ import annotations
 
 import io
-import math
 import os
 import sys
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
+from . import stored
+from ._axes import require
 from ._core import InputError
 
 if TYPE_CHECKING:
@@ -45,24 +46,43 @@ def summary_stream(case: Case, wanted: Mapping[str, str]) -> TextIO:
     return sys.stderr if STANDARD in wanted.values() else sys.stdout
 
 
+#: Suffixes of formats, by kind; "" for one that no command writes.
+_SUFFIXES = {
+    "csv": (".csv",),
+    "json": (".json",),
+    "parquet": (".parquet", ".pq"),
+    "": (".xlsx", ".xls", ".ods"),
+}
+
+
+def check_files(wanted: Mapping[str, str]) -> None:
+    """Refuse files that cannot be written, before the computation and not after it."""
+    for kind, to in wanted.items():
+        if not to or to == STANDARD:
+            continue
+        path = Path(to)
+        if not path.parent.is_dir():
+            raise InputError(f"{kind} {to}: no such directory")
+        for other, suffixes in _SUFFIXES.items():
+            if kind not in ("figure", other) and path.suffix.lower() in suffixes:
+                raise InputError(f"{kind} {to}: what is written is {kind}, not {path.suffix[1:]}")
+    if wanted.get("parquet"):
+        stored.require()
+    if wanted.get("figure"):
+        require()
+        from matplotlib.figure import Figure
+
+        kinds = Figure().canvas.get_supported_filetypes()
+        if Path(wanted["figure"]).suffix.removeprefix(".").lower() not in kinds:
+            raise InputError(f"figure {wanted['figure']}: the suffix is none of {', '.join(kinds)}")
+
+
 def say(text: str, stream: TextIO) -> None:
     """Print; if the reader has gone, drop the rest, so that files are still written."""
     try:
         print(text, file=stream, flush=True)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-
-
-def modes_table(case: Case) -> Iterator[str]:
-    """Tabulate the modes."""
-    modes = case.modes
-    node = f"node [{case.units.length}]"
-    yield f"  mode   frequency [Hz]   omega [rad/s]   damping ratio {node:>12}"
-    rows = zip(modes.frequency_hz, modes.omega, modes.damping_ratio, modes.node, strict=True)
-    for i, (hertz, omega, ratio, node) in enumerate(rows, 1):
-        # Roll leaves the whole centreline at rest, and pure bounce no point of it.
-        where = f"{node:.2f}" if math.isfinite(node) else "-"
-        yield f"  {i:>4} {hertz:16.4f} {omega:15.4f} {ratio:15.4f} {where:>12}"
 
 
 def stated_speed(case: Case, name: str) -> str:
@@ -85,7 +105,4 @@ def opened(to: str) -> Iterator[TextIO]:
 
 def save_figure(figure: Figure, to: str) -> None:
     """Write a figure; the suffix of the file name selects the format."""
-    try:
-        figure.savefig(to, dpi=110)
-    except ValueError as error:
-        raise InputError(f"figure {to}: {error}") from None
+    figure.savefig(to, dpi=110)

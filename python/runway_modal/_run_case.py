@@ -10,13 +10,14 @@ from . import tables, tables_response
 from ._case_notes import notes
 from ._case_output import (
     STANDARD,
-    modes_table,
+    check_files,
     opened,
     save_figure,
     say,
     stated_speed,
     summary_stream,
 )
+from ._case_tables import loads_table, modes_table, name_width
 from ._input import integer
 from .case import Case, read_case
 
@@ -42,6 +43,7 @@ def run(path: Path, asked: Mapping[str, str | None], runway: int | None = None) 
         case = case.over_random_runway(integer("--runway", runway, 0))
     wanted = {kind: str(asked[kind] or case.output.get(kind) or "") for kind in KINDS}
     stream = summary_stream(case, wanted)
+    check_files(wanted)
     runs = case.run()
     say("\n".join(_summary(case, runs)), stream)
     # Files first: the reader of standard output may stop early.
@@ -67,24 +69,16 @@ def _summary(case: Case, runs: Runs) -> Iterator[str]:
 
 
 def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) -> Iterator[str]:
-    units, gears = case.units, response.aircraft.gear_names
-    width = max(7, *map(len, gears), *map(len, response.acceleration))
+    units, gears, width = case.units, response.aircraft.gear_names, name_width(case)
     extremes, unloaded = response.extremes(), response.unloaded
     yield f"Speed {stated_speed(case, name)}, {response.time[0]:.4g} to {response.time[-1]:.4g} s"
-    force, where = f"[{units.force}]", f"     at [s] {f'at [{units.length}]':>10}"
-    heads = f"{f'static {force}':>15} {f'largest {force}':>16}  ÷ static"
-    yield f"  {'gear':<{width}} {heads}{where} {f'smallest {force}':>17}{where}"
-    digits = 1 if response.static_load.max() >= 1e3 else 4
-    for g, gear in enumerate(gears):
-        factor = extremes.max_load[g] / response.static_load[g]
-        yield (
-            f"  {gear:<{width}} {response.static_load[g]:15.{digits}f}"
-            f" {extremes.max_load[g]:16.{digits}f} {factor:9.3f}"
-            f" {extremes.time_of_max[g]:10.4f} {extremes.position_of_max[g]:10.2f}"
-            f" {extremes.min_load[g]:17.{digits}f}"
-            f" {extremes.time_of_min[g]:10.4f} {extremes.position_of_min[g]:10.2f}"
-            + ("  UNLOADS" if unloaded[g] else "")
-        )
+    yield from loads_table(
+        case,
+        "s",
+        (extremes.max_load, extremes.time_of_max, extremes.position_of_max),
+        (extremes.min_load, extremes.time_of_min, extremes.position_of_min),
+        ["UNLOADS" if lost else "" for lost in unloaded],
+    )
     yield f"  {'station':<{width}}   largest vertical acceleration [g]     at [s]"
     for station, value in extremes.max_acceleration.items():
         at = extremes.time_of_max_acceleration[station]

@@ -11,18 +11,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import stored, tables, tables_ensemble
-from ._axes import require
 from ._case_notes import on_dampers
 from ._case_output import (
     STANDARD,
-    modes_table,
+    check_files,
     opened,
     save_figure,
     say,
     stated_speed,
     summary_stream,
 )
-from ._core import InputError
+from ._case_tables import modes_table
 from ._input import integer
 from ._progress import progress_bar
 from ._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
@@ -62,7 +61,7 @@ def run(
         raise table.fault("nonlinear: a Monte Carlo needs the linear model", "nonlinear")
     wanted = {kind: to or "" for kind, to in asked.items()}
     stream = summary_stream(case, wanted)
-    _check(wanted)
+    check_files(wanted)
     ensembles = _compute(case, random, out, quiet=quiet)
     say("\n".join(_summary(path, case, random, ensembles)), stream)
     if out is not None:
@@ -73,22 +72,6 @@ def run(
             _WRITERS[kind](case, ensembles, to)
             if to != STANDARD:
                 say(f"{kind}: {to}", stream)
-
-
-def _check(wanted: Mapping[str, str]) -> None:
-    """Refuse files that cannot be written, before the computation and not after it."""
-    for kind, to in wanted.items():
-        if to != STANDARD and not Path(to).parent.is_dir():
-            raise InputError(f"{kind} {to}: no such directory")
-    if wanted["parquet"]:
-        stored.require()
-    if wanted["figure"]:
-        require()
-        from matplotlib.figure import Figure
-
-        kinds = Figure().canvas.get_supported_filetypes()
-        if Path(wanted["figure"]).suffix.removeprefix(".").lower() not in kinds:
-            raise InputError(f"figure {wanted['figure']}: the suffix is none of {', '.join(kinds)}")
 
 
 def _compute(

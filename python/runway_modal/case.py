@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from . import _case_aircraft
 from ._case_random import read_random_runways
+from ._case_sweep import read_speed_range
 from ._case_tracks import read_tracks
 from ._core import InputError
 from ._toml import Table, read_toml
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
     from . import nonlinear
     from ._case_random import RandomRunways
+    from ._case_sweep import SpeedRange
+    from .aircraft import Aircraft
     from .modes import Modes
     from .profile import Profile
     from .response import Response
@@ -36,6 +39,8 @@ class Case:
     reference: nonlinear.Aircraft | None
     #: None if the file has no [[track]].
     tracks: Mapping[str, Profile] | None
+    #: None if the file has no [sweep].
+    sweep: SpeedRange | None
     #: None if the file has neither [roughness] nor [monte_carlo].
     random: RandomRunways | None
     #: Speeds [length/s] by the text that states them.
@@ -51,6 +56,11 @@ class Case:
     track_notes: tuple[str, ...]
     #: The table that error messages point to.
     root: Table
+
+    @property
+    def aircraft(self) -> Aircraft | nonlinear.Aircraft:
+        """The aircraft that runs."""
+        return self.modes.aircraft if self.reference is None else self.reference
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -72,6 +82,18 @@ class Case:
             raise self.root.fault("monte_carlo is missing")
         return self.random
 
+    def speed_range(self) -> SpeedRange:
+        """Speeds of a sweep; an error if the file has none."""
+        if self.sweep is None:
+            raise self.root.fault("sweep is missing")
+        return self.sweep
+
+    def given_tracks(self) -> Mapping[str, Profile]:
+        """Tracks; an error if the file has none."""
+        if self.tracks is None:
+            raise self.root.fault("track is missing")
+        return self.tracks
+
     def over_random_runway(self, run: int) -> Case:
         """Take one of the random runways as tracks; a run lasts as long as in the Monte Carlo."""
         tracks = self.random_runways().profiles(self.modes, run)
@@ -87,9 +109,7 @@ class Case:
 
     def run(self) -> dict[str, Response | nonlinear.Response]:
         """Simulate the case at every speed."""
-        if self.tracks is None:
-            raise self.root.fault("track is missing")
-        tracks = self.tracks
+        tracks = self.given_tracks()
         with self.root.table("run").located():
             return {name: self._simulate(tracks, speed) for name, speed in self.speeds.items()}
 
@@ -112,7 +132,7 @@ class Case:
 
 _SECTIONS = (
     "title", "units", "aircraft", "single_dof", "track", "footprint", "roughness", "monte_carlo",
-    "run", "output",
+    "sweep", "run", "output",
 )  # fmt: skip
 
 
@@ -140,6 +160,7 @@ def read_case(path: Path) -> Case:
     random = None
     if {"roughness", "monte_carlo"} & root.values.keys():
         random = read_random_runways(root, units)
+    span = read_speed_range(root.table("sweep"), units) if "sweep" in root.values else None
     run = root.table("run")
     run.only("speeds", "duration", "damping_input")
     if reference is not None and "damping_input" in run.values:
@@ -155,6 +176,7 @@ def read_case(path: Path) -> Case:
         modes=modes,
         reference=reference,
         tracks=tracks,
+        sweep=span,
         random=random,
         speeds=_speeds(run, units),
         duration=run.quantity("duration", TIME, units, None),

@@ -20,6 +20,7 @@ _BEGIN = """\
 getting started:
   runway-modal example > case.toml      a case file with every key explained
   runway-modal run case.toml --figure loads.png
+  runway-modal sweep case.toml --figure speeds.png
   runway-modal mc case.toml --figure exceedance.png
 
 exit codes: 0 success, 1 numerical failure, missing extra or out of memory,
@@ -30,6 +31,12 @@ _RUN = """\
 Print modes, static loads and, for each speed, the true extremes of gear loads
 and accelerations; write the files named here or under [output] in the case.
 With --csv - or --json - the summary goes to standard error.
+"""
+
+_SWEEP = """\
+Roll over the tracks of the case at each speed of [sweep]. Print each gear's largest and smallest
+load, each station's largest acceleration, and the speeds at which they occur; with a tolerance in
+[sweep], also what no speed in between exceeds. With --csv - the summary goes to standard error.
 """
 
 _MC = """\
@@ -110,6 +117,17 @@ def _parser() -> argparse.ArgumentParser:
         help="simulate random runway NUMBER of 'runway-modal mc' instead of the tracks; "
         "[output] is ignored",
     )
+    sweep = add("sweep", _sweep, "roll over the tracks at many speeds", _SWEEP)
+    sweep.add_argument(
+        "case", type=Path, metavar="CASE.toml", help="case file; see runway-modal example"
+    )
+    sweep.add_argument("--csv", metavar="PATH", help="one row per speed; - for standard output")
+    sweep.add_argument("--parquet", metavar="PATH", help="one row per speed (extra tables)")
+    sweep.add_argument(
+        "--figure",
+        metavar="PATH",
+        help="loads and accelerations against speed, .png .pdf .svg (extra plot)",
+    )
     mc = add("mc", _mc, "roll over random runways: the Monte Carlo of a case file", _MC)
     mc.add_argument(
         "case", type=Path, metavar="CASE.toml", help="case file; see runway-modal example"
@@ -149,6 +167,12 @@ def _parser() -> argparse.ArgumentParser:
 def _run(parsed: argparse.Namespace) -> None:
     asked = {kind: getattr(parsed, kind) for kind in _run_case.KINDS}
     _run_case.run(parsed.case, asked, parsed.runway)
+
+
+def _sweep(parsed: argparse.Namespace) -> None:
+    from . import _run_sweep
+
+    _run_sweep.run(parsed.case, {kind: getattr(parsed, kind) for kind in _run_sweep.KINDS})
 
 
 def _mc(parsed: argparse.Namespace) -> None:

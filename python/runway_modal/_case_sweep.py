@@ -1,0 +1,65 @@
+"""Speeds that a case file sweeps over."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .units import FORCE, SPEED
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ._toml import Table
+    from .units import Units
+
+#: More speeds than this are a slip in the units, not a wish.
+_MOST = 1_000_000
+
+#: Shares of a step by which the highest speed may miss it: rounding of units.
+_ROUNDING = 1e-6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpeedRange:
+    """What [sweep] says, in the case's unit system."""
+
+    low: float
+    high: float
+    step: float
+    #: How much larger a load between the steps may be than the largest one told, if that is asked.
+    tolerance: float | None
+    #: The table that error messages point to.
+    place: Table
+
+    def speeds(self) -> NDArray[np.float64]:
+        """Every step from the lowest speed on, and the highest."""
+        steps = np.floor((self.high - self.low) / self.step + _ROUNDING)
+        speeds = self.low + self.step * np.arange(steps + 1.0)
+        if self.high - speeds[-1] > _ROUNDING * self.step:
+            return np.append(speeds, self.high)
+        speeds[-1] = self.high
+        return speeds
+
+
+def read_speed_range(table: Table, units: Units) -> SpeedRange:
+    """Read [sweep]."""
+    table.only("from", "to", "step", "tolerance")
+
+    def positive(key: str) -> float:
+        value = float(table.quantity(key, SPEED, units))
+        if not value > 0.0:
+            raise table.fault(f"{key} = {table.get(key)!r} is not positive", key)
+        return value
+
+    low, high, step = positive("from"), positive("to"), positive("step")
+    if high < low:
+        why = f"is less than from = {table.get('from')!r}"
+        raise table.fault(f"to = {table.get('to')!r} {why}", "to")
+    if (high - low) / step > _MOST:
+        why = f"makes more than {_MOST:,} speeds"
+        raise table.fault(f"step = {table.get('step')!r} {why}", "step")
+    tolerance = table.quantity("tolerance", FORCE, units, None)
+    return SpeedRange(low=low, high=high, step=step, tolerance=tolerance, place=table)

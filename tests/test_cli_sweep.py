@@ -1,0 +1,177 @@
+"""``runway-modal sweep`` as its users run it."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import runway_modal as rm
+from runway_modal.case import read_case
+from runway_modal.cli import main
+
+CASE = """
+title = "F-4E"
+[units]
+length = "in"
+force = "lbf"
+[aircraft]
+preset = "f4e"
+damping_ratio = 0.01
+[[track]]
+shape = "full_mat"
+[sweep]
+from = "20 kt"
+to = "60 kt"
+step = "2.5 kt"
+tolerance = "1 kip"
+[run]
+speeds = ["20 kt"]
+"""
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    path = tmp_path / "case.toml"
+    path.write_text(CASE, encoding="utf-8")
+    return path
+
+
+def numbers(printed: str, head: str) -> list[list[float]]:
+    """Numbers of the three gears below a heading."""
+    lines = printed.splitlines()
+    (at,) = (i for i, line in enumerate(lines) if re.match(head, line))
+    return [
+        [float(text) for text in re.findall(r"-?\d[\d.]*", line)] for line in lines[at + 1 :][:3]
+    ]
+
+
+def test_prints_what_the_library_says(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sweep", str(case)]) == 0
+    printed = capsys.readouterr().out
+    assert "\n17 speeds from 20 to 60 kt\n" in printed
+    modes, mat = rm.f4e().modes(0.01), rm.Profile.full_mat()
+    knots = np.arange(20.0, 60.1, 2.5)
+    found = rm.sweep(modes, mat, rm.knots(knots))
+    for g, row in enumerate(numbers(printed, "  gear +static")):
+        high, low = found.max_load[:, g].argmax(), found.min_load[:, g].argmin()
+        assert row == pytest.approx(
+            [
+                found.static_load[g], found.max_load[high, g],
+                found.max_load[high, g] / found.static_load[g], knots[high],
+                found.position_of_max[high, g], found.min_load[low, g], knots[low],
+                found.position_of_min[low, g],
+            ],
+            abs=0.06, rel=1e-3,
+        )  # fmt: skip
+    shares = found.max_acceleration["cg"] / rm.f4e().gravity
+    above = knots[shares > 0.4][0]
+    (station,) = (line.split() for line in printed.splitlines() if line.startswith("  cg "))
+    told = [shares.max(), knots[shares.argmax()], above]
+    assert [float(text) for text in station[1:]] == pytest.approx(told, abs=1e-4)
+    lost = knots[found.unloaded[:, 1]]
+    assert f"left (at {lost.size} speeds, from {lost[0]:g} kt)" in printed
+    for g, row in enumerate(numbers(printed, "  gear +found")):
+        limits = rm.knots(20), rm.knots(60)
+        at = modes.aircraft.gear_names[g]
+        worst = rm.worst_speed(modes, mat, limits, at=at, tolerance=1000.0)
+        told = [worst.value, worst.speed / rm.knots(1), worst.bound, worst.runs]
+        assert row == pytest.approx(told, abs=0.06)
+
+
+def test_without_a_tolerance_nothing_is_proven(
+    case: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case.write_text(CASE.replace('tolerance = "1 kip"', ""), "utf-8")
+    assert main(["sweep", str(case)]) == 0
+    assert "proven" not in capsys.readouterr().out
+
+
+def test_files_hold_every_speed(case: Path) -> None:
+    paths = {kind: case.with_suffix(f".{kind}") for kind in ("csv", "parquet")}
+    figure = case.with_suffix(".png")
+    options = [text for kind, path in paths.items() for text in (f"--{kind}", str(path))]
+    assert main(["sweep", str(case), *options, "--figure", str(figure)]) == 0
+    frame, table = pd.read_parquet(paths["parquet"]), pd.read_csv(paths["csv"])
+    np.testing.assert_allclose(frame["speed"] / rm.knots(1), np.arange(20.0, 60.1, 2.5))
+    assert frame.attrs["units"]["position_of_max_left"] == "in"
+    np.testing.assert_array_equal(table["max_load_left [lbf]"], frame["max_load_left"])
+    assert figure.read_bytes().startswith(b"\x89PNG")
+
+
+def test_standard_output_is_the_table_alone(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sweep", str(case), "--csv", "-"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out.startswith("speed [in/s],max_load_nose [lbf],")
+    assert len(captured.out.splitlines()) == 1 + 17
+    assert "17 speeds" in captured.err
+
+
+@pytest.mark.parametrize(
+    ("high", "step", "expected"),
+    [
+        ("21 kt", "0.1 kt", np.linspace(20.0, 21.0, 11)),
+        ("20.25 kt", "0.1 kt", [20.0, 20.1, 20.2, 20.25]),
+        ("20 kt", "0.1 kt", [20.0]),
+    ],
+)
+def test_both_ends_are_among_the_speeds(
+    case: Path, high: str, step: str, expected: list[float]
+) -> None:
+    case.write_text(CASE.replace("60 kt", high).replace("2.5 kt", step), "utf-8")
+    span = read_case(case).speed_range()
+    speeds = span.speeds()
+    np.testing.assert_allclose(speeds, rm.knots(np.array(expected)), rtol=1e-12)
+    assert (speeds[0], speeds[-1]) == (span.low, span.high)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('from = "20 kt"\n', "", "case.toml:11: sweep: from is missing"),
+        ('"20 kt"\nto', '"0 kt"\nto', "case.toml:12: sweep: from = '0 kt' is not positive"),
+        ('"60 kt"', '"10 kt"', "case.toml:13: sweep: to = '10 kt' is less than from = '20 kt'"),
+        ('"2.5 kt"', '"1e-9 kt"', "step = '1e-9 kt' makes more than 1,000,000 speeds"),
+        ('"2.5 kt"', '"2.5 in"', "case.toml:14: sweep: step"),
+        ('"1 kip"', '"-1 kip"', "case.toml:15: sweep: tolerance"),
+        ("step =", "steps =", "case.toml:14: sweep: unknown key 'steps'; did you mean 'step'?"),
+        (
+            "damping_ratio = 0.01",
+            "damping_ratio = 0.01\nnonlinear = true",
+            "a sweep needs the linear model",
+        ),
+        ('[[track]]\nshape = "full_mat"\n', "", "track is missing"),
+        (CASE[CASE.index("[sweep]") : CASE.index("[run]")], "", "sweep is missing"),
+    ],
+)
+def test_faults_name_their_place(
+    case: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, said: str
+) -> None:
+    assert CASE.count(old) == 1
+    case.write_text(CASE.replace(old, new), "utf-8")
+    assert main(["sweep", str(case)]) == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--figure", "a.xyz"], "figure a.xyz: the suffix is none of"),
+        (["--parquet", "a.json"], "parquet a.json: what is written is parquet, not json"),
+        (["--csv", "none/a.csv"], "csv none/a.csv: no such directory"),
+        (["--csv", "case.toml"], "csv case.toml: that is the case file"),
+    ],
+)
+def test_refused_files(
+    case: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    options: list[str],
+    said: str,
+) -> None:
+    monkeypatch.chdir(case.parent)
+    assert main(["sweep", "case.toml", *options]) == 2
+    captured = capsys.readouterr()
+    assert said in captured.err
+    assert captured.out == ""

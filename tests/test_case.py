@@ -11,7 +11,7 @@ import runway_modal as rm
 from runway_modal import nonlinear
 from runway_modal._case_tracks import _SHAPES
 from runway_modal.case import Case, read_case
-from runway_modal.units import LENGTH, MASS, SPEED, STIFFNESS, Units
+from runway_modal.units import FREQUENCY, LENGTH, MASS, SPEED, STIFFNESS, Units
 
 F4E = '[aircraft]\npreset = "f4e"\ndamping_ratio = 0.01\n'
 RUN = '[run]\nspeeds = ["20 kt"]\n'
@@ -78,6 +78,7 @@ def test_any_units_give_the_same_loads(
         (("m", "N"), "1 slug", MASS, 14.593902937206365),
         (("m", "N"), "1 lbf/in", STIFFNESS, 175.12683524647637),
         (("in", "lbf"), "1 m", LENGTH, 39.37007874015748),
+        (("in", "lbf"), "2.5 1/s", FREQUENCY, 2.5),
     ],
 )
 def test_quantities(
@@ -244,6 +245,20 @@ def test_every_shape_is_in_the_example() -> None:
             INCHES + F4E.replace("damping_ratio = 0.01", "[[aircraft.modes]]\nomega = 1\n"
             "damping_ratio = 0\nshape = ['a', 0, 0]") + MAT + RUN,
             "9: aircraft.modes.0.: shape.0. = 'a' is not a real number",
+        ),
+        (INCHES + F4E + MAT + 'file = "a.csv"\n' + RUN, "9: track.0.: exactly one of shape and"),
+        (INCHES + F4E + '[[track]]\nlength = 3\n' + RUN, "7: track.0.: exactly one of shape and"),
+        (
+            INCHES + F4E + MAT + '[run]\nspeeds = ["20,5 kt"]\n',
+            "10: run: speeds.0. = '20,5 kt': numbers have a decimal point",
+        ),
+        (
+            INCHES + F4E.replace("0.01", '"1 %"') + MAT + RUN,
+            "6: aircraft: damping_ratio = '1 %' is not a real number",
+        ),
+        (
+            INCHES + F4E + MAT.replace("[[track]]", "[track]") + MAT + RUN,
+            r"Cannot overwrite a value .*; a list of tables has \[\[...\]\] at each",
         ),
         (INCHES + F4E + 'nonlinear = true\nstiffness = "static"\n' + MAT + RUN, "8: .*'stiffness'"),
         (

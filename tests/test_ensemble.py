@@ -343,7 +343,7 @@ def test_worst_and_unloaded_and_table():
     assert table.index[0] == 7
     with pytest.raises(rm.InputError, match="no such gear"):
         found.worst("tail")
-    with pytest.raises(rm.InputError, match="at = 'nose': no such station"):
+    with pytest.raises(rm.InputError, match=r"at = 'nose': no such station.*; 'nose' is a gear"):
         found.worst("nose", quantity="max_acceleration")
     lowest = found.worst("left", 2, quantity="min_load")
     assert found.min_load[lowest[0] - 7, 1] == found.min_load[:, 1].min()

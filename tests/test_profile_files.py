@@ -78,6 +78,8 @@ def assert_fault(path: Path, line: int, *parts: str, read: Any = rm.read_csv, **
         ("x;z (NAVD88)\n0;0\n1.5;2\n1.5;-.3\n4;0\n", {"unit": "in", "elevation": "z (NAVD88)"}),
         ("Runway 9, 1979\n\nx;z\n0;0\n1.5;2\n1.5;-.3\n4;0\n", {"unit": "in", "skiprows": 1}),
         ("9\n27\nx;z\n0;0\n1.5;2\n1.5;-.3\n4;0\n", {"unit": "in", "skiprows": np.int8(2)}),
+        ("sep=;\r\nx, along;z\r\n0;0\r\n1.5;2\r\n1.5;-.3\r\n4;0\r\n", {"unit": "in"}),
+        ("SEP=|\nx|z\n0|0\n1.5|2\n1.5|-.3\n4|0\n", {"unit": "in"}),
         (b"x;H\xf6he [in]\n0;0\n1.5;2\n1.5;-.3\n4;0\n", {"unit": "in"}),
     ],
 )  # fmt: skip
@@ -142,6 +144,7 @@ def test_conversion_is_correct_to_rounding(path: Path, unit: str, to: str) -> No
         ("0,0\n2,1\n1,2\n", 3, ["station 1.0 comes after 2.0"], {}),
         ("0,0\n2,1\n1,2\n", 3, ["station 1.0 comes after 2.0"], {"unit": "m"}),
         ("0,0\n", 2, ["no data"], {"skiprows": 1}),
+        ("sep=,\n0,0\n1,2\n", 1, ["'sep=,' names the decimal comma"], {"decimal": ","}),
         (
             "Runway 9\nx,z\n0,0\n",
             2,

@@ -67,6 +67,8 @@ def read_tracks(
                 raise table.fault(f"gears: {name!r} is listed twice", "gears")
             if name not in gears:
                 raise table.fault(f"gears: {name!r} is not a gear{hint(name, gears)}", "gears")
+        if ("file" in table.values) == ("shape" in table.values):
+            raise table.fault("exactly one of shape and file is needed", "file")
         profile = _file(table, units) if "file" in table.values else _shape(table, units, notes)
         with table.located():
             if "gap" in table.values:

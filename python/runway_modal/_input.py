@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import ArrayLike, NDArray
+
+_Array = TypeVar("_Array", bound="NDArray[Any]")
 
 
 def number(argument: str, value: Any) -> float:
@@ -95,7 +97,7 @@ def any_array(argument: str, values: ArrayLike) -> NDArray[Any]:
         raise InputError(f"{argument} is not a rectangular array") from None
 
 
-def read_only(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def read_only(values: _Array) -> _Array:
     """Mark an array that belongs to a result as read-only."""
     values.flags.writeable = False
     return values

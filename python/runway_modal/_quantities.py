@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ._core import InputError
 from .units import ACCELERATION, FORCE
 
 if TYPE_CHECKING:
@@ -34,3 +35,13 @@ def labels(ensemble: Ensemble, quantity: str) -> tuple[str, ...]:
     """Names of the gears or stations that have a quantity."""
     of_gears = DIMENSIONS[quantity] == FORCE
     return ensemble.gear_names if of_gears else tuple(getattr(ensemble, quantity))
+
+
+def column_of(quantity: str, at: str, gears: tuple[str, ...], stations: tuple[str, ...]) -> int:
+    """Find the column of a gear or station; refuse a name that has no such quantity."""
+    kinds = ("gear", gears), ("station", stations)
+    (kind, names), (other, others) = kinds if DIMENSIONS[quantity] == FORCE else kinds[::-1]
+    if at not in names:
+        hint = f"; {at!r} is a {other}, and {quantity} is of {kind}s" if at in others else ""
+        raise InputError(f"at = {at!r}: no such {kind}; there are {names}{hint}")
+    return names.index(at)

@@ -32,7 +32,10 @@ def read_toml(path: Path) -> Table:
         line = data.count(b"\n", 0, error.start) + 1
         raise InputError(f"{path}:{line}: not UTF-8 text") from None
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: {error}") from None
+        twice = (
+            "; a list of tables has [[...]] at each of them" if "overwrite" in str(error) else ""
+        )
+        raise InputError(f"{path}: {error}{twice}") from None
 
 
 _REQUIRED: Any = object()

@@ -12,7 +12,7 @@ import numpy as np
 from . import _core
 from ._core import InputError
 from ._input import any_array, array, flag, integer, number, read_only, refuse
-from ._quantities import DIMENSIONS, DOWNWARD, labels
+from ._quantities import DIMENSIONS, DOWNWARD, column_of, labels
 from ._text import table
 from .modes import Modes, check_modes
 
@@ -198,7 +198,7 @@ class Ensemble:
         return Ensemble(
             gear_names=self.gear_names,
             setup=self.setup,
-            run=_frozen(run[order]),
+            run=read_only(run[order]),
             speed=both(self.speed, other.speed),
             static_load=both(self.static_load, other.static_load),
             max_load=both(self.max_load, other.max_load),
@@ -417,11 +417,8 @@ class Ensemble:
         True
         """
         values = self._of(quantity)
-        names = labels(self, quantity)
-        if at not in names:
-            kind = "gear" if names is self.gear_names else "station"
-            raise InputError(f"at = {at!r}: no such {kind}; there are {names}")
-        column = values[self.valid, names.index(at)]
+        at_column = column_of(quantity, at, self.gear_names, tuple(self.max_acceleration))
+        column = values[self.valid, at_column]
         rising = column if quantity in DOWNWARD else -column
         order = np.argsort(rising, kind="stable")[: integer("count", count, 0)]
         return np.asarray(self.run[self.valid][order])
@@ -718,7 +715,7 @@ def simulate_many(
     return Ensemble(
         gear_names=aircraft.gear_names,
         setup=setup,
-        run=_frozen(np.arange(first_run, first_run + runs, dtype=np.int64)),
+        run=read_only(np.arange(first_run, first_run + runs, dtype=np.int64)),
         speed=np.broadcast_to(speeds, (runs,)),
         static_load=np.broadcast_to(static, max_load.shape),
         max_load=max_load,
@@ -728,11 +725,6 @@ def simulate_many(
         rms_acceleration={name: rms_acceleration[:, i] for i, name in enumerate(names)},
         failures={first_run + run: reason for run, reason in failed},
     )
-
-
-def _frozen(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-    numbers.flags.writeable = False
-    return numbers
 
 
 def _elevations(values: ArrayLike) -> NDArray[Any]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import any_array, array, flag, read_only
+from ._input import any_array, array, flag, number, read_only
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -145,7 +145,10 @@ class Modes:
         ratio = None
         if damping_ratio is not None:
             given = any_array("damping_ratio", damping_ratio)
-            ratio = array("damping_ratio", given.reshape(1) if given.ndim == 0 else given)
+            alone = given.ndim == 0
+            ratio = array(
+                "damping_ratio", [number("damping_ratio", damping_ratio)] if alone else given
+            )
             # One number stands for all modes; an array gives one for each.
             if given.ndim == 1 and given.size == 1 and np.linalg.matrix_rank(aircraft.geometry) > 1:
                 raise InputError(

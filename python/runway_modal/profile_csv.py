@@ -39,6 +39,9 @@ if TYPE_CHECKING:
 #: The unit at the end of a heading: "station [m]" or "station (m)".
 _UNIT = re.compile(r"[\[(]([^][()]*)[\])]$")
 
+#: The delimiter as spreadsheets state it, in a line of its own above the header.
+_STATED = re.compile(r"\s*sep=([^\w\s\"]|\t)\s*", re.IGNORECASE)
+
 #: A cell in quotes, whatever it contains.
 _QUOTED = re.compile(r'"[^"]*"')
 
@@ -101,8 +104,8 @@ def read_csv(
         Column of the elevations; for several tracks, the column of each by the track's name. With
         gear names the result can be passed to `simulate` as it is.
     delimiter : str, optional
-        Character between cells. Default: the first of tab, ; and , that occurs in the first row;
-        if none does, any number of blanks.
+        Character between cells. Default: that of a first line such as "sep=;", or the first of
+        tab, ; and , that occurs in the first row; if none does, any number of blanks.
     decimal : {".", ","}
         Decimal point or comma; a decimal comma does not separate cells.
     skiprows : int, default 0
@@ -151,6 +154,12 @@ def read_csv(
     ]
     if not table:
         raise fault(path, skiprows + 1, f"no data: the file {'ends' if skiprows else 'is empty'}")
+    said = _STATED.fullmatch(table[0][1])
+    if said and len(table) > 1:
+        if said[1] == decimal:
+            raise fault(path, table[0][0], f"{excerpt(table[0][1])} names the decimal comma")
+        delimiter = delimiter or said[1]
+        del table[0]
     first, heading = table[0]
     if delimiter is None:
         between = _QUOTED.sub("", heading)

@@ -10,6 +10,7 @@ import numpy as np
 from . import _core
 from ._core import InputError
 from ._input import any_array, array, flag, integer, number, read_only
+from ._quantities import column_of
 from ._tracks import by_gear
 from .extremes import positions
 from .modes import Modes, check_modes
@@ -471,16 +472,11 @@ def worst_speed(
     quantities = ("max_load", "min_load", "max_acceleration")
     if quantity not in quantities:
         raise InputError(f"quantity = {quantity!r} is none of {', '.join(quantities)}")
-    loads = quantity != "max_acceleration"
-    names = aircraft.gear_names if loads else tuple(aircraft.stations)
-    if at not in names:
-        raise InputError(
-            f"at = {at!r}: no such {'gear' if loads else 'station'}; there are {names}"
-        )
-    gear, point = (names.index(at), (0.0, 0.0)) if loads else (0, aircraft.stations[at])
+    column = column_of(quantity, at, aircraft.gear_names, tuple(aircraft.stations))
+    point = aircraft.stations[at] if quantity == "max_acceleration" else (0.0, 0.0)
     most = integer("max_runs", max_runs, 100, 2**53)
     speed, value, bound, runs = course.worst(
-        quantity, gear, point, (low, high), number("tolerance", tolerance), most
+        quantity, column, point, (low, high), number("tolerance", tolerance), most
     )
     return WorstSpeed(speed=speed, value=value, bound=bound, runs=runs)
 

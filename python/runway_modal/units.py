@@ -157,7 +157,9 @@ _FACTOR = re.compile(r"([A-Za-z]+)\^?([1-4]?)")
 def _size(unit: str) -> tuple[Fraction, Dimension]:
     """Size in SI and dimension of a unit such as "lbf*s2/in"; KeyError names an unknown part."""
     size, dimension = Fraction(1), (0, 0, 0)
-    for i, part in enumerate(unit.replace("²", "2").split("/")):
+    above, *below = unit.replace("²", "2").split("/")
+    # "1/s" has nothing above the line.
+    for i, part in enumerate([above if above.strip() != "1" or not below else "rad", *below]):
         for factor in re.split(r"[\s*·]+", part.strip()):
             found = _FACTOR.fullmatch(factor)
             if not found or found[1] not in _UNITS:
@@ -280,6 +282,8 @@ class Units:
             return finite(argument, value)
         found = re.fullmatch(rf"\s*({_NUMBER})\s*(\S.*?)\s*", value)
         wanted = self.name(dimension)
+        if re.match(r"\s*[-+]?\d+,\d", value):
+            raise InputError(f"{argument} = {value!r}: numbers have a decimal point, not a comma")
         if not found:
             raise InputError(
                 f"{argument} = {value!r} is not a number with a unit; "

@@ -187,6 +187,21 @@ def test_a_damaged_file_is_named_and_made_again(tmp_path, modes, surface):
         stored.read(tmp_path, runs=0)
 
 
+@pytest.mark.parametrize(("lost", "run"), [(0, 0), (1, 8)])
+def test_a_file_that_is_missing_among_others_is_named(tmp_path, modes, surface, lost, run):
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=20)
+    whole = stored.read(tmp_path)
+    files = sorted(tmp_path.glob("runs-*.parquet"))
+    files[lost].unlink()
+    with pytest.raises(rm.InputError, match=f"run {run} is missing, later ones are there"):
+        stored.read(tmp_path)
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=20)
+    assert_same_bits(stored.read(tmp_path), whole)
+    # One that is missing at the end was perhaps never computed.
+    files[-1].unlink()
+    assert stored.read(tmp_path).run.tolist() == list(range(16))
+
+
 def test_missing_arguments_are_named_as_by_any_function(tmp_path, modes, surface):
     with pytest.raises(TypeError, match="missing keyword argument: 'runs'"):
         stored.monte_carlo(tmp_path / "new", modes, surface, **RUNWAY)

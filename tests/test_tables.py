@@ -1,9 +1,13 @@
 """Responses as tables hold the response's own numbers, with names and units."""
 
+import copy
 import dataclasses
+import pickle
 import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -89,6 +93,26 @@ def test_a_sweep_shows_every_result() -> None:
     assert data["static_load"].dims == ("gear",)
     assert data["speed"].attrs["units"] == table.attrs["units"]["speed"] == "in/s"
     assert sweep.to_pandas().attrs == sweep.to_xarray()["max_load"].attrs == {}
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda r: pickle.loads(pickle.dumps(r))])
+def test_copied_results_are_the_same_and_read_only(again: Callable[[Any], Any]) -> None:
+    modes, surface = LINEAR.modes, rm.Roughness.iso8608("A", "in")
+    runway = {"length": 2400.0, "spacing": 12.0, "speed": SPEED, "runs": 9, "seed": 1}
+    many = rm.monte_carlo(modes, surface, **runway)
+    sweep = rm.sweep(modes, MAT, [SPEED, 2 * SPEED])
+    for result in (LINEAR.extremes(), sweep, many, many.quantile("max_load", 0.5)):
+        copied = again(result)
+        assert repr(copied) == repr(result)
+        for field in dataclasses.fields(result):
+            before, after = (getattr(each, field.name) for each in (result, copied))
+            for one, other in zip(
+                *(each.values() if isinstance(each, dict) else [each] for each in (before, after)),
+                strict=True,
+            ):
+                if isinstance(one, np.ndarray):
+                    np.testing.assert_array_equal(other, one)
+                    assert not other.flags.writeable
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import numpy as np
 from . import _core
 from ._core import InputError
 from ._input import any_array, array, flag, integer, number, read_only, refuse
+from ._pickled import Pickled
 from ._quantities import DIMENSIONS, DOWNWARD, column_of, labels
 from ._text import table
 from .modes import Modes, check_modes
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Estimate:
+class Estimate(Pickled):
     """
     Estimates from a sample of runs, with confidence intervals.
 
@@ -79,7 +80,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ensemble:
+class Ensemble(Pickled):
     """
     Statistics of many runs, one row per run.
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from ._input import read_only
+from ._pickled import Pickled
 from ._text import table
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def positions(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Extremes:
+class Extremes(Pickled):
     """
     True extremes of a response over its time span, between samples too.
 

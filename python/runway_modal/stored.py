@@ -134,7 +134,8 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
     Raises
     ------
     InputError
-        If there are none, a file is damaged, or `runs` is not a whole number > 0.
+        If there are none, a file is damaged or missing among others, or `runs` is not a whole
+        number > 0.
     ImportError
         If pandas or pyarrow is not installed.
 
@@ -153,7 +154,13 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
     about = json.loads((folder / _SETUP).read_text())
     last = None if runs is None else about["first_run"] + integer("runs", runs, 1) - 1
     parts = (_read(file, about["setup"], last) for file in files)
-    return joined(part for part in parts if len(part))
+    found = joined(part for part in parts if len(part))
+    there = about["first_run"] + np.arange(len(found))
+    for run in there[found.run != there][:1]:
+        raise InputError(
+            f"{folder}: run {run} is missing, later ones are there; `monte_carlo` computes it again"
+        )
+    return found
 
 
 def _agree(file: Path, about: dict[str, Any]) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from . import _core
 from ._core import InputError
 from ._input import any_array, array, flag, integer, number, read_only
+from ._pickled import Pickled
 from ._quantities import column_of
 from ._tracks import by_gear
 from .extremes import positions
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sweep:
+class Sweep(Pickled):
     """
     True extremes of a response, speed by speed, between samples too.
 

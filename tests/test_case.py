@@ -9,8 +9,8 @@ import pytest
 
 import runway_modal as rm
 from runway_modal import nonlinear
-from runway_modal._case_tracks import _SHAPES
 from runway_modal.case import Case, read_case
+from runway_modal.case.tracks import _SHAPES
 from runway_modal.units import FREQUENCY, LENGTH, MASS, SPEED, STIFFNESS, Units
 
 F4E = '[aircraft]\npreset = "f4e"\ndamping_ratio = 0.01\n'
@@ -181,7 +181,7 @@ def test_lengths_in_inches_reach_the_reports_shapes_unrounded(tmp_path: Path) ->
 
 
 def test_every_shape_is_in_the_example() -> None:
-    example = (files("runway_modal") / "example.toml").read_text(encoding="utf-8")
+    example = (files("runway_modal.case") / "example.toml").read_text(encoding="utf-8")
     # What a shell makes of it on any system is still TOML.
     assert example.isascii()
     for name, shape in _SHAPES.items():

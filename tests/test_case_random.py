@@ -113,7 +113,7 @@ def test_a_nonlinear_aircraft_runs_over_one_but_not_over_all(
 
 
 def test_every_key_is_in_the_example() -> None:
-    example = (files("runway_modal") / "example.toml").read_text(encoding="utf-8")
+    example = (files("runway_modal.case") / "example.toml").read_text(encoding="utf-8")
     for key in ("iso8608", "band", "coefficient", "waviness", "reference", "n", "psd"):
         assert f"{key} = " in example
     for key in ("length", "spacing", "runs", "seed", "first_run", "tracks"):

@@ -364,7 +364,7 @@ def test_missing_extras_are_said_before_the_computing(
 ) -> None:
     monkeypatch.setattr("runway_modal.stored.find_spec", lambda name: name != module or None)
     monkeypatch.setitem(sys.modules, module, None)
-    monkeypatch.setattr("runway_modal._run_monte_carlo.monte_carlo", None)
+    monkeypatch.setattr("runway_modal.cli.monte_carlo.monte_carlo", None)
     wanted = ["--figure", "a.png"] if module == "matplotlib" else ["--parquet", "a.parquet"]
     assert main(["mc", str(case), *wanted]) == 1
     assert "pip install" in capsys.readouterr().err

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import runway_modal as rm
-from runway_modal._toml import _line, read_toml
+from runway_modal.case.toml import _line, read_toml
 
 SOURCE = '''# comment
 title = "x # ]"

@@ -10,9 +10,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import stored, tables, tables_ensemble
-from ._case_notes import on_dampers
-from ._case_output import (
+from runway_modal import stored, tables, tables_ensemble
+from runway_modal._input import integer
+from runway_modal._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
+from runway_modal.case import read_case
+from runway_modal.roughness import monte_carlo
+from runway_modal.units import FORCE
+
+from .notes import on_dampers
+from .output import (
     STANDARD,
     check_files,
     opened,
@@ -21,20 +27,15 @@ from ._case_output import (
     stated_speed,
     summary_stream,
 )
-from ._case_tables import modes_table
-from ._input import integer
-from ._progress import progress_bar
-from ._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
-from .case import read_case
-from .roughness import monte_carlo
-from .units import FORCE
+from .progress import progress_bar
+from .text import modes_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from ._case_random import RandomRunways
-    from .case import Case
-    from .ensemble import Ensemble
+    from runway_modal.case import Case
+    from runway_modal.case.random_runways import RandomRunways
+    from runway_modal.ensemble import Ensemble
 
 #: Probabilities of the quantiles that are printed.
 _SHARES = np.array([0.5, 0.95, 0.99, 0.999])
@@ -252,7 +253,7 @@ def _write_parquet(case: Case, ensembles: Mapping[str, Ensemble], to: str) -> No
 
 
 def _write_figure(case: Case, ensembles: Mapping[str, Ensemble], to: str) -> None:
-    from .plotting_ensemble import histograms_and_exceedances
+    from runway_modal.plotting_ensemble import histograms_and_exceedances
 
     save_figure(histograms_and_exceedances(ensembles, _title(case), units=case.units), to)
 

@@ -10,8 +10,9 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import _run_case
-from ._core import InputError, NumericalError, __version__
+from runway_modal._core import InputError, NumericalError, __version__
+
+from . import run
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -165,28 +166,28 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _run(parsed: argparse.Namespace) -> None:
-    asked = {kind: getattr(parsed, kind) for kind in _run_case.KINDS}
-    _run_case.run(parsed.case, asked, parsed.runway)
+    asked = {kind: getattr(parsed, kind) for kind in run.KINDS}
+    run.run(parsed.case, asked, parsed.runway)
 
 
 def _sweep(parsed: argparse.Namespace) -> None:
-    from . import _run_sweep
+    from . import sweep
 
-    _run_sweep.run(parsed.case, {kind: getattr(parsed, kind) for kind in _run_sweep.KINDS})
+    sweep.run(parsed.case, {kind: getattr(parsed, kind) for kind in sweep.KINDS})
 
 
 def _mc(parsed: argparse.Namespace) -> None:
-    from . import _run_monte_carlo
+    from . import monte_carlo
 
-    asked = {kind: getattr(parsed, kind) for kind in _run_monte_carlo.KINDS}
-    _run_monte_carlo.run(parsed.case, asked, runs=parsed.runs, out=parsed.out, quiet=parsed.quiet)
+    asked = {kind: getattr(parsed, kind) for kind in monte_carlo.KINDS}
+    monte_carlo.run(parsed.case, asked, runs=parsed.runs, out=parsed.out, quiet=parsed.quiet)
 
 
 def _example(_: argparse.Namespace) -> None:
-    print((files("runway_modal") / "example.toml").read_text(encoding="utf-8"), end="")
+    print((files("runway_modal.case") / "example.toml").read_text(encoding="utf-8"), end="")
 
 
 def _report(parsed: argparse.Namespace) -> None:
-    from . import report1980
+    from runway_modal import report1980
 
     print(report1980.write_page(parsed.out))

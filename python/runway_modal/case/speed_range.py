@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .units import FORCE, SPEED
+from runway_modal.units import FORCE, SPEED
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ._toml import Table
-    from .units import Units
+    from runway_modal.units import Units
+
+    from .toml import Table
 
 #: More speeds than this are a slip in the units, not a wish.
 _MOST = 1_000_000

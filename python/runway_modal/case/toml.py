@@ -10,14 +10,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ._core import InputError
-from ._input import integer
+from runway_modal._core import InputError
+from runway_modal._input import integer
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
-    from .units import Dimension, Units
+    from runway_modal.units import Dimension, Units
 
 
 def read_toml(path: Path) -> Table:
@@ -93,12 +93,14 @@ class Table:
                 raise self.fault(f"unknown key {key!r}{hint(key, allowed)}", key)
 
     def get(self, key: str, default: Any = _REQUIRED) -> Any:
+        """Give a value of any kind."""
         value = self.values.get(key, default)
         if value is _REQUIRED:
             raise self.fault(f"{key} is missing")
         return value
 
     def text(self, key: str, default: Any = _REQUIRED) -> str:
+        """Give a string that is not empty."""
         value = self.get(key, default)
         if not isinstance(value, str):
             raise self.fault(f"{key} = {value!r} is not a string", key)
@@ -107,18 +109,21 @@ class Table:
         return value
 
     def choice(self, key: str, allowed: tuple[str, ...], default: Any = _REQUIRED) -> str:
+        """Give one of the strings allowed."""
         value = self.get(key, default)
         if value not in allowed:
             raise self.fault(f"{key} = {value!r} is unknown{hint(value, allowed)}", key)
         return str(value)
 
     def flag(self, key: str) -> bool:
+        """Give true or false; false if the key is missing."""
         value = self.get(key, False)
         if not isinstance(value, bool):
             raise self.fault(f"{key} = {value!r} is not true or false", key)
         return value
 
     def whole(self, key: str, least: int, default: Any = _REQUIRED) -> int:
+        """Give a whole number."""
         value = self.get(key, default)
         if isinstance(value, bool):  # 0 or 1 to Python
             raise self.fault(f"{key} = {value!r} is not a whole number", key)
@@ -128,6 +133,7 @@ class Table:
     def quantity(
         self, key: str, dimension: Dimension, units: Units, default: Any = _REQUIRED
     ) -> Any:
+        """Give a number, converted to the case's units."""
         value = self.get(key, default)
         if key not in self.values:
             return value
@@ -135,6 +141,7 @@ class Table:
             return units.quantity(key, value, dimension)
 
     def quantities(self, key: str, dimension: Dimension, units: Units) -> list[float]:
+        """Give a list of numbers, converted to the case's units."""
         values = self.get(key)
         if not isinstance(values, list):
             raise self.fault(f"{key} = {values!r} is not a list", key)
@@ -144,12 +151,14 @@ class Table:
             ]
 
     def table(self, key: str, default: Any = _REQUIRED) -> Table:
+        """Give a table."""
         value = self.get(key, default)
         if not isinstance(value, dict):
             raise self.fault(f"{key} is not a table: [{self.where(key)}]", key)
         return Table(self.path, self.source, (*self.keys, key), value)
 
     def tables(self, key: str, default: Any = _REQUIRED) -> list[Table]:
+        """Give a list of tables."""
         values = self.get(key, default)
         if not isinstance(values, list) or not all(isinstance(v, dict) for v in values):
             raise self.fault(f"{key} is not a list of tables: [[{self.where(key)}]]", key)
@@ -215,6 +224,7 @@ def _holds(found: Any, keys: tuple[str | int, ...]) -> bool:
 
 
 def hint(name: object, allowed: Iterable[str]) -> str:
+    """Guess which name was meant, and list all."""
     allowed = tuple(allowed)
     near = difflib.get_close_matches(str(name), allowed, 1)
     guess = f"; did you mean {near[0]!r}?" if near else ""

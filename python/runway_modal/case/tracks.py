@@ -5,18 +5,20 @@ from __future__ import annotations
 import inspect
 from typing import TYPE_CHECKING, Any
 
-from ._core import InputError
-from ._toml import hint
-from .profile import Profile
-from .profile_csv import read_csv
-from .profile_erd import read_erd
-from .units import LENGTH, REPORT
+from runway_modal._core import InputError
+from runway_modal.profile import Profile
+from runway_modal.profile_csv import read_csv
+from runway_modal.profile_erd import read_erd
+from runway_modal.units import LENGTH, REPORT
+
+from .toml import hint
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ._toml import Table
-    from .units import Units
+    from runway_modal.units import Units
+
+    from .toml import Table
 
 #: Built-in shapes by name.
 _SHAPES: dict[str, Callable[..., Profile]] = {

@@ -7,10 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import tables, tables_sweep
-from ._axes import ACCELERATION_LIMIT
-from ._case_notes import notes
-from ._case_output import (
+from runway_modal import tables, tables_sweep
+from runway_modal._axes import ACCELERATION_LIMIT
+from runway_modal.case import read_case
+from runway_modal.sweep import sweep, worst_speed
+from runway_modal.units import SPEED
+
+from .notes import notes
+from .output import (
     STANDARD,
     check_files,
     opened,
@@ -18,20 +22,17 @@ from ._case_output import (
     say,
     summary_stream,
 )
-from ._case_tables import load_digits, loads_table, modes_table, name_width
-from .case import read_case
-from .sweep import sweep, worst_speed
-from .units import SPEED
+from .text import load_digits, loads_table, modes_table, name_width
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
     from numpy.typing import NDArray
 
-    from ._case_sweep import SpeedRange
-    from .case import Case
-    from .profile import Profile
-    from .sweep import Sweep
+    from runway_modal.case import Case
+    from runway_modal.case.speed_range import SpeedRange
+    from runway_modal.profile import Profile
+    from runway_modal.sweep import Sweep
 
 
 def run(path: Path, asked: Mapping[str, str | None]) -> None:

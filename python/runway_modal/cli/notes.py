@@ -9,8 +9,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from .case import Case
-    from .profile import Profile
+    from runway_modal.case import Case
+    from runway_modal.profile import Profile
 
 #: Damping ratio beyond which it matters whether the ground acts on the dampers.
 _DAMPED = 0.03

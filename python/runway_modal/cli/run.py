@@ -6,9 +6,12 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from . import tables, tables_response
-from ._case_notes import notes
-from ._case_output import (
+from runway_modal import tables, tables_response
+from runway_modal._input import integer
+from runway_modal.case import Case, read_case
+
+from .notes import notes
+from .output import (
     STANDARD,
     check_files,
     opened,
@@ -17,15 +20,13 @@ from ._case_output import (
     stated_speed,
     summary_stream,
 )
-from ._case_tables import loads_table, modes_table, name_width
-from ._input import integer
-from .case import Case, read_case
+from .text import loads_table, modes_table, name_width
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from . import nonlinear
-    from .response import Response
+    from runway_modal import nonlinear
+    from runway_modal.response import Response
 
     #: One run by the text of its speed.
     Runs: TypeAlias = Mapping[str, Response | nonlinear.Response]
@@ -141,7 +142,7 @@ def _write_parquet(case: Case, runs: Runs, to: str) -> None:
 
 
 def _write_figure(case: Case, runs: Runs, to: str) -> None:
-    from .plotting import loads_over_profile
+    from runway_modal.plotting import loads_over_profile
 
     gears = case.modes.aircraft.gear_names
     figure = loads_over_profile(

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from ._core import InputError
-from ._input import finite
-from .aircraft import Aircraft, Gear, f4e, single_dof
-from .modes import Modes
-from .units import (
+from runway_modal._core import InputError
+from runway_modal._input import finite
+from runway_modal.aircraft import Aircraft, Gear, f4e, single_dof
+from runway_modal.modes import Modes
+from runway_modal.units import (
     ACCELERATION,
     DAMPING,
     FORCE,
@@ -27,8 +27,9 @@ from .units import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from . import nonlinear
-    from ._toml import Table
+    from runway_modal import nonlinear
+
+    from .toml import Table
 
 #: Keys of an aircraft preset, and of an aircraft whose data the file gives.
 _PRESET, _DATA = (
@@ -96,7 +97,7 @@ def nonlinear_and_modes(
     table: Table, units: Units, notes: list[str]
 ) -> tuple[nonlinear.Aircraft, Modes]:
     """Make the F-4E on gas struts, and the modes it has near rest."""
-    from . import nonlinear
+    from runway_modal import nonlinear
 
     table.only("preset", "nonlinear", "damping_ratio", "stations")
     table.choice("preset", ("f4e",))

@@ -5,26 +5,28 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from . import _case_aircraft
-from ._case_random import read_random_runways
-from ._case_sweep import read_speed_range
-from ._case_tracks import read_tracks
-from ._core import InputError
-from ._toml import Table, read_toml
-from .simulate import simulate
-from .units import SPEED, TIME, Units
+from runway_modal._core import InputError
+from runway_modal.simulate import simulate
+from runway_modal.units import SPEED, TIME, Units
+
+from . import aircraft
+from .random_runways import read_random_runways
+from .speed_range import read_speed_range
+from .toml import Table, read_toml
+from .tracks import read_tracks
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from . import nonlinear
-    from ._case_random import RandomRunways
-    from ._case_sweep import SpeedRange
-    from .aircraft import Aircraft
-    from .modes import Modes
-    from .profile import Profile
-    from .response import Response
+    from runway_modal import nonlinear
+    from runway_modal.aircraft import Aircraft
+    from runway_modal.modes import Modes
+    from runway_modal.profile import Profile
+    from runway_modal.response import Response
+
+    from .random_runways import RandomRunways
+    from .speed_range import SpeedRange
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,7 +120,7 @@ class Case:
     ) -> Response | nonlinear.Response:
         duration = self.duration if self.distance is None else self.distance / speed
         if self.reference is not None:
-            from .nonlinear import simulate as simulate_nonlinear
+            from runway_modal.nonlinear import simulate as simulate_nonlinear
 
             return simulate_nonlinear(self.reference, tracks, speed, duration=duration)
         return simulate(
@@ -149,11 +151,11 @@ def read_case(path: Path) -> Case:
     notes: list[str] = []
     reference = None
     if "single_dof" in root.values:
-        modes = _case_aircraft.one_degree_of_freedom(root.table("single_dof"), units)
+        modes = aircraft.one_degree_of_freedom(root.table("single_dof"), units)
     elif root.table("aircraft").flag("nonlinear"):
-        reference, modes = _case_aircraft.nonlinear_and_modes(root.table("aircraft"), units, notes)
+        reference, modes = aircraft.nonlinear_and_modes(root.table("aircraft"), units, notes)
     else:
-        modes = _case_aircraft.linear(root.table("aircraft"), units)
+        modes = aircraft.linear(root.table("aircraft"), units)
     tracks, track_notes = None, list[str]()
     if "track" in root.values:
         tracks = read_tracks(root, modes.aircraft.gear_names, units, track_notes)

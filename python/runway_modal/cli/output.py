@@ -9,16 +9,16 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
-from . import stored
-from ._axes import require
-from ._core import InputError
+from runway_modal import stored
+from runway_modal._axes import require
+from runway_modal._core import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from matplotlib.figure import Figure
 
-    from .case import Case
+    from runway_modal.case import Case
 
 #: Stands for standard output.
 STANDARD = "-"

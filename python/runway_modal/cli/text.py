@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from .case import Case
+    from runway_modal.case import Case
 
     #: Loads by gear, when each occurs (or at which speed), and where.
     Peaks: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]

@@ -5,19 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, cast
 
-from ._core import InputError
-from ._quantities import DIMENSIONS
-from .roughness import Roughness
-from .units import LENGTH, PSD
+from runway_modal._core import InputError
+from runway_modal._quantities import DIMENSIONS
+from runway_modal.roughness import Roughness
+from runway_modal.units import LENGTH, PSD
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ._chunks import Options
-    from ._toml import Table
-    from .modes import Modes
-    from .profile import Profile
-    from .units import Units
+    from runway_modal._chunks import Options
+    from runway_modal.modes import Modes
+    from runway_modal.profile import Profile
+    from runway_modal.units import Units
+
+    from .toml import Table
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -124,8 +124,8 @@ pub enum Error {
     Overflow { quantity: &'static str, time: f64 },
     /// A search that would take more runs than allowed.
     #[error(
-        "tolerance = {tolerance:?} is not reached within max_runs: after {runs} runs the worst value lies \
-         between {value:?}, found at speed {speed:?}, and {bound:?}"
+        "tolerance = {tolerance:?} takes more runs than allowed: after {runs} the worst value lies between \
+         {value:?}, found at speed {speed:?}, and {bound:?}"
     )]
     Unresolved { tolerance: f64, runs: usize, value: f64, speed: f64, bound: f64 },
     /// A run of many whose arithmetic left the range.

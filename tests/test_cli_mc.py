@@ -362,7 +362,6 @@ def test_refused(
 def test_missing_extras_are_said_before_the_computing(
     case: Path, monkeypatch: pytest.MonkeyPatch, capsys, module: str
 ) -> None:
-    monkeypatch.setattr("runway_modal.stored.find_spec", lambda name: name != module or None)
     monkeypatch.setitem(sys.modules, module, None)
     monkeypatch.setattr("runway_modal.cli.monte_carlo.monte_carlo", None)
     wanted = ["--figure", "a.png"] if module == "matplotlib" else ["--parquet", "a.parquet"]

@@ -570,7 +570,7 @@ def test_scipy_is_loaded_for_a_run_only() -> None:
 
 
 def test_scipy_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "scipy.integrate", None)
+    monkeypatch.setitem(sys.modules, "scipy", None)
     with pytest.raises(ImportError, match=r"runway_modal\[taxi\]"):
         nonlinear.simulate(nonlinear.f4e(), rm.Profile.full_mat(), SPEED)
 

@@ -41,8 +41,11 @@ def test_accelerations_in_g_against_distance(
     assert response.plot_acceleration(["cg"], against="distance", ax=axes, units=INCHES) is axes
     curve, *limits = axes.get_lines()
     np.testing.assert_array_equal(curve.get_xdata(), response.distance)
-    expected = response.acceleration["cg"] / response.aircraft.gravity
+    expected = response.acceleration["cg"] / INCHES.standard_gravity
     np.testing.assert_array_equal(curve.get_ydata(), expected)
+    (bare, *_) = response.plot_acceleration(ax=Figure().subplots()).get_lines()
+    expected = response.acceleration["cg"] / response.aircraft.gravity
+    np.testing.assert_array_equal(bare.get_ydata(), expected)
     assert [line.get_ydata()[0] for line in limits] == [0.4, -0.4]
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["cg", "±0.4 g"]
     assert axes.get_xlabel() == "distance of the foremost gear [in]"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from ._core import InputError
+from ._extras import need
 from .units import THOUSAND, stated
 
 if TYPE_CHECKING:
@@ -29,10 +30,7 @@ STATIC_DASHES = (0, (6, 3))
 
 def require() -> None:
     """Raise an `ImportError` that names the extra if matplotlib is missing."""
-    try:
-        import matplotlib as mpl  # noqa: F401
-    except ImportError:
-        raise ImportError("figures need matplotlib: pip install 'runway_modal[plot]'") from None
+    need("figures", "plot", "matplotlib")
 
 
 def new_axes() -> Axes:
@@ -64,10 +62,13 @@ class _Aircraft(Protocol):
     def gravity(self) -> float: ...
 
 
-def in_g(what: str, aircraft: _Aircraft) -> float:
-    """Check the gravity that accelerations are drawn in."""
+def in_g(what: str, aircraft: _Aircraft, units: Units | None) -> float:
+    """Size of one g on an axis: standard gravity or, without units, the aircraft's."""
+    units = stated(units)
+    if units is not None:
+        return units.standard_gravity
     if not aircraft.gravity:
-        raise InputError(f"{what}: the aircraft's gravity is 0, so there is no g to draw in")
+        raise InputError(f"{what}: without units g is the aircraft's gravity, which is 0")
     return aircraft.gravity
 
 

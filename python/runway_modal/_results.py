@@ -120,7 +120,8 @@ class Shown:
         Draw vertical accelerations in g, with lines at ±0.4 g.
 
         The lines are the limit at the pilot's station and the centre of gravity (published:
-        Morris and Hall, NASA 1965; Navy CEL TR-846, 1976). The g is the aircraft's gravity.
+        Morris and Hall, NASA 1965; Navy CEL TR-846, 1976). The g is standard gravity or,
+        without `units`, the aircraft's.
 
         Parameters
         ----------
@@ -142,7 +143,7 @@ class Shown:
         ------
         InputError
             If a station is unknown, `stations` is empty or a single name, `against` is neither,
-            `units` is not a `Units`, or the aircraft's gravity is 0.
+            `units` is not a `Units`, or there are none and the aircraft's gravity is 0.
         ImportError
             If matplotlib is not installed.
 

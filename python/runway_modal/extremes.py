@@ -41,6 +41,11 @@ def positions(
     return read_only(times * speed - [front - arm for arm in arms])
 
 
+def share(load: float, static: float) -> str:
+    """Load as a multiple of the static one, which is 0 without gravity."""
+    return f"{load / static:.3f}" if static else "-"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Extremes(Pickled):
     """
@@ -80,9 +85,9 @@ class Extremes(Pickled):
     array([1.45, 1.85, 1.85])
     >>> extremes
     gear       static  max_load  / static      time  position  min_load      time  position
-    nose      8921.76   12939.7   1.45035   2.70978   1097.66   4915.21   4.02387   1629.97
-    left      23627.1   43685.9   1.84898   3.26619    1043.8   3516.15   3.00471   937.879
-    right     23627.1   43685.9   1.84898   3.26619    1043.8   3516.15   3.00471   937.879
+    nose      8921.76   12939.7     1.450   2.70978   1097.66   4915.21   4.02387   1629.97
+    left      23627.1   43685.9     1.849   3.26619    1043.8   3516.15   3.00471   937.879
+    right     23627.1   43685.9     1.849   3.26619    1043.8   3516.15   3.00471   937.879
     station  |accel.|      time
     cg        296.625   3.00649
     """
@@ -118,15 +123,15 @@ class Extremes(Pickled):
 
     def __repr__(self) -> str:
         """Make a table: one line per gear, one line per station."""
-        largest = (self.max_load, self.max_load / self.static_load)
+        shares = map(share, self.max_load, self.static_load)
         smallest = (self.min_load, self.time_of_min, self.position_of_min)
-        loads = (self.static_load, *largest, self.time_of_max, self.position_of_max, *smallest)
+        largest = (self.max_load, shares, self.time_of_max, self.position_of_max)
         accelerations = (self.max_acceleration.values(), self.time_of_max_acceleration.values())
         where = ("time", "position")
         return table(
             [
                 ("gear", "static", "max_load", "/ static", *where, "min_load", *where),
-                *zip(self.gear_names, *loads, strict=True),
+                *zip(self.gear_names, self.static_load, *largest, *smallest, strict=True),
                 ("station", "|accel.|", "time"),
                 *zip(self.max_acceleration, *accelerations, strict=True),
             ]

@@ -136,7 +136,7 @@ def plot_accelerations(
     """Draw what `Response.plot_acceleration` documents."""
     abscissa = _abscissa(against, units)
     wanted = shown("stations", stations, tuple(response.acceleration), "station")
-    gravity = in_g("response", response.aircraft)
+    gravity = in_g("response", response.aircraft, units)
     ax = ax or new_axes()
     at = getattr(response, against)
     # One less than the labels there are: the limits have one.

@@ -17,6 +17,7 @@ from ._axes import (
     marker,
     nested_width,
     new_axes,
+    require,
     shown,
 )
 from .units import SPEED, stated
@@ -25,10 +26,58 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from .sweep import Sweep
     from .units import Units
+
+
+def loads_and_accelerations(sweep: Sweep, title: str = "", *, units: Units | None = None) -> Figure:
+    """
+    Draw loads over accelerations against speed.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+    title : str
+        Title of the figure.
+    units : Units, optional
+        Units of the sweep, for the axis labels: speeds are drawn in knots, loads in lbf and N in
+        kip and kN.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure: `Sweep.plot` over `Sweep.plot_acceleration`.
+
+    Raises
+    ------
+    InputError
+        If `units` is not a `Units`, or there are none and the aircraft's gravity is 0.
+    ImportError
+        If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import runway_modal as rm
+    >>> from runway_modal import plotting_sweep
+    >>> sweep = rm.sweep(rm.f4e().modes(0.01), rm.Profile.full_mat(), [200.0, 400.0, 800.0])
+    >>> len(plotting_sweep.loads_and_accelerations(sweep, "F-4E").axes)
+    2
+    """
+    require()
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.0, 7.5), layout="constrained")
+    loads, accelerations = figure.subplots(2, 1, sharex=True)
+    sweep.plot(ax=loads, units=units)
+    sweep.plot_acceleration(ax=accelerations, units=units)
+    loads.set_xlabel("")
+    if title:
+        figure.suptitle(title)
+    return figure
 
 
 def plot_loads(
@@ -64,7 +113,7 @@ def plot_accelerations(
 ) -> Axes:
     """Draw what `Sweep.plot_acceleration` documents."""
     wanted = shown("stations", stations, tuple(sweep.max_acceleration), "station")
-    gravity = in_g("sweep", sweep.modes.aircraft)
+    gravity = in_g("sweep", sweep.modes.aircraft, units)
     ax = ax or new_axes()
     order = np.argsort(sweep.speed)
     speed = _speed(ax, sweep.speed[order], units)

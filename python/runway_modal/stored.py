@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from ._chunks import CHUNK, Chunk, chunks, joined
 from ._core import InputError, __version__
+from ._extras import need
 from ._input import integer, read_only
 from .ensemble import Ensemble
 from .roughness import setup
@@ -82,7 +82,7 @@ def monte_carlo(
     ...     print(stored.read(directory))
     <Ensemble: 100 runs, gears nose, left, right, none failed>
     """
-    require()
+    need("runs on disk", "tables", "pandas", "pyarrow")
     parts = chunks(modes, roughness, options, chunk)
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
@@ -146,7 +146,7 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
     Traceback (most recent call last):
     runway_modal.InputError: directory = '/nowhere' holds no runs
     """
-    require()
+    need("runs on disk", "tables", "pandas", "pyarrow")
     folder = Path(directory)
     files = sorted(folder.glob("runs-*.parquet"))
     if not files:
@@ -240,11 +240,3 @@ def _read(file: Path, common: dict[str, Any], last: int | None) -> Ensemble:
         static_load=np.broadcast_to(common["static_load"], values["max_load"].shape),
         **values,
     )
-
-
-def require() -> None:
-    """Raise an `ImportError` that names the extra if pandas or pyarrow is missing."""
-    if find_spec("pandas") is None or find_spec("pyarrow") is None:
-        raise ImportError(
-            "runs on disk need pandas and pyarrow: pip install 'runway_modal[tables]'"
-        )

@@ -152,8 +152,8 @@ class Sweep(Pickled):
         Draw the largest vertical acceleration against speed, in g, with a line at 0.4 g.
 
         The line is the limit of ±0.4 g at the pilot's station and the centre of gravity
-        (published: Morris and Hall, NASA 1965; Navy CEL TR-846, 1976). The g is the aircraft's
-        gravity.
+        (published: Morris and Hall, NASA 1965; Navy CEL TR-846, 1976). The g is standard
+        gravity or, without `units`, the aircraft's.
 
         Parameters
         ----------
@@ -173,7 +173,7 @@ class Sweep(Pickled):
         ------
         InputError
             If a station is unknown, `stations` is empty or a single name, `units` is not a
-            `Units`, or the aircraft's gravity is 0.
+            `Units`, or there are none and the aircraft's gravity is 0.
         ImportError
             If matplotlib is not installed.
 

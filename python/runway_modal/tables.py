@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ._extras import need
 from .units import stated
 
 if TYPE_CHECKING:
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .units import Dimension, Units
-
-_MISSING = "tables need pandas, pyarrow and xarray: pip install 'runway_modal[tables]'"
 
 
 class Quantity(NamedTuple):
@@ -61,10 +60,9 @@ def to_pandas(
     quantities: Sequence[Quantity], units: Units | None, index: str | None = None
 ) -> pd.DataFrame:
     """Make a table with one column per name, except for `index`; `attrs` keeps the units."""
-    try:
-        import pandas as pd
-    except ImportError:
-        raise ImportError(_MISSING) from None
+    need("tables", "tables", "pandas")
+    import pandas as pd
+
     table = pd.DataFrame(columns(quantities))
     units = stated(units)
     if units is not None:
@@ -74,10 +72,9 @@ def to_pandas(
 
 def to_xarray(along: Quantity, quantities: Sequence[Quantity], units: Units | None) -> xr.Dataset:
     """Make a data set along one quantity; quantities of a single row are constant along it."""
-    try:
-        import xarray as xr
-    except ImportError:
-        raise ImportError(_MISSING) from None
+    need("data sets", "tables", "xarray")
+    import xarray as xr
+
     units = stated(units)
 
     def variable(one: Quantity) -> tuple[tuple[str, ...], NDArray[Any], dict[str, str]]:
@@ -113,15 +110,13 @@ def write_parquet(
     tables: Iterable[Sequence[Quantity]], units: Units, path: Path, index: str | None = None
 ) -> None:
     """Write the same as Parquet, with the units as `to_pandas` keeps them."""
+    need("Parquet files", "tables", "pandas", "pyarrow")
     frames = [to_pandas(quantities, units, index) for quantities in tables]
     import pandas as pd
 
     table = pd.concat(frames, ignore_index=index is None)
     table.attrs = frames[0].attrs
-    try:
-        table.to_parquet(path)
-    except ImportError:  # pandas itself does not need pyarrow until here
-        raise ImportError(_MISSING) from None
+    table.to_parquet(path)
 
 
 def _units(quantities: Iterable[Quantity], units: Units) -> dict[str, str]:

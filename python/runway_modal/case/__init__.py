@@ -84,6 +84,12 @@ class Case:
             raise self.root.fault("monte_carlo is missing")
         return self.random
 
+    def need_linear(self, what: str) -> None:
+        """Refuse a nonlinear aircraft."""
+        if self.reference is not None:
+            why = f"nonlinear: {what} needs the linear model"
+            raise self.root.table("aircraft").fault(why, "nonlinear")
+
     def speed_range(self) -> SpeedRange:
         """Speeds of a sweep; an error if the file has none."""
         if self.sweep is None:

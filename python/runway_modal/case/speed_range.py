@@ -49,18 +49,12 @@ def read_speed_range(table: Table, units: Units) -> SpeedRange:
     """Read [sweep]."""
     table.only("from", "to", "step", "tolerance")
 
-    def positive(key: str) -> float:
-        value = float(table.quantity(key, SPEED, units))
-        if not value > 0.0:
-            raise table.fault(f"{key} = {table.get(key)!r} is not positive", key)
-        return value
-
-    low, high, step = positive("from"), positive("to"), positive("step")
+    low, high, step = (table.positive(key, SPEED, units) for key in ("from", "to", "step"))
     if high < low:
         why = f"is less than from = {table.get('from')!r}"
         raise table.fault(f"to = {table.get('to')!r} {why}", "to")
     if (high - low) / step > _MOST:
         why = f"makes more than {_MOST:,} speeds"
         raise table.fault(f"step = {table.get('step')!r} {why}", "step")
-    tolerance = table.quantity("tolerance", FORCE, units, None)
+    tolerance = table.positive("tolerance", FORCE, units, None)
     return SpeedRange(low=low, high=high, step=step, tolerance=tolerance, place=table)

@@ -140,6 +140,15 @@ class Table:
         with self.located():
             return units.quantity(key, value, dimension)
 
+    def positive(
+        self, key: str, dimension: Dimension, units: Units, default: Any = _REQUIRED
+    ) -> Any:
+        """Give a number > 0, converted to the case's units."""
+        value = self.quantity(key, dimension, units, default)
+        if key in self.values and not value > 0.0:
+            raise self.fault(f"{key} = {self.values[key]!r} is not positive", key)
+        return value
+
     def quantities(self, key: str, dimension: Dimension, units: Units) -> list[float]:
         """Give a list of numbers, converted to the case's units."""
         values = self.get(key)

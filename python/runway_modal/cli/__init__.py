@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from runway_modal._core import InputError, NumericalError, __version__
 
-from . import run
+from . import monte_carlo, run, sweep
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -101,56 +101,56 @@ def _parser() -> argparse.ArgumentParser:
         command.set_defaults(command=run)
         return command
 
-    run = add("run", _run, "simulate a case file", _RUN)
-    run.add_argument(
+    of_run = add("run", _run, "simulate a case file", _RUN)
+    of_run.add_argument(
         "case", type=Path, metavar="CASE.toml", help="case file; see runway-modal example"
     )
-    run.add_argument("--csv", metavar="PATH", help="time histories; - for standard output")
-    run.add_argument("--json", metavar="PATH", help="results and time histories; - as for --csv")
-    run.add_argument("--parquet", metavar="PATH", help="time histories (extra tables)")
-    run.add_argument(
+    of_run.add_argument("--csv", metavar="PATH", help="time histories; - for standard output")
+    of_run.add_argument("--json", metavar="PATH", help="results and time histories; - as for --csv")
+    of_run.add_argument("--parquet", metavar="PATH", help="time histories (extra tables)")
+    of_run.add_argument(
         "--figure", metavar="PATH", help="gear loads over the profile, .png .pdf .svg (extra plot)"
     )
-    run.add_argument(
+    of_run.add_argument(
         "--runway",
         type=int,
         metavar="NUMBER",
         help="simulate random runway NUMBER of 'runway-modal mc' instead of the tracks; "
         "[output] is ignored",
     )
-    sweep = add("sweep", _sweep, "roll over the tracks at many speeds", _SWEEP)
-    sweep.add_argument(
+    of_sweep = add("sweep", _sweep, "roll over the tracks at many speeds", _SWEEP)
+    of_sweep.add_argument(
         "case", type=Path, metavar="CASE.toml", help="case file; see runway-modal example"
     )
-    sweep.add_argument("--csv", metavar="PATH", help="one row per speed; - for standard output")
-    sweep.add_argument("--parquet", metavar="PATH", help="one row per speed (extra tables)")
-    sweep.add_argument(
+    of_sweep.add_argument("--csv", metavar="PATH", help="one row per speed; - for standard output")
+    of_sweep.add_argument("--parquet", metavar="PATH", help="one row per speed (extra tables)")
+    of_sweep.add_argument(
         "--figure",
         metavar="PATH",
         help="loads and accelerations against speed, .png .pdf .svg (extra plot)",
     )
-    mc = add("mc", _mc, "roll over random runways: the Monte Carlo of a case file", _MC)
-    mc.add_argument(
+    of_mc = add("mc", _mc, "roll over random runways: the Monte Carlo of a case file", _MC)
+    of_mc.add_argument(
         "case", type=Path, metavar="CASE.toml", help="case file; see runway-modal example"
     )
-    mc.add_argument(
+    of_mc.add_argument(
         "--runs", type=int, metavar="N", help="number of runs (overrides the case file)"
     )
-    mc.add_argument(
+    of_mc.add_argument(
         "--out",
         type=Path,
         metavar="DIR",
         help="keep finished runs, one directory per speed; the same command resumes from them "
         "(extra tables)",
     )
-    mc.add_argument("--csv", metavar="PATH", help="one row per run; - for standard output")
-    mc.add_argument("--parquet", metavar="PATH", help="one row per run (extra tables)")
-    mc.add_argument(
+    of_mc.add_argument("--csv", metavar="PATH", help="one row per run; - for standard output")
+    of_mc.add_argument("--parquet", metavar="PATH", help="one row per run (extra tables)")
+    of_mc.add_argument(
         "--figure",
         metavar="PATH",
         help="histogram and exceedance of the largest loads, .png .pdf .svg (extra plot)",
     )
-    mc.add_argument("--quiet", action="store_true", help="no progress bar")
+    of_mc.add_argument("--quiet", action="store_true", help="no progress bar")
     add("example", _example, "print a case file with every key explained")
     report = add(
         "report", _report, "recompute the 1980 report and write it as a page (extras plot, taxi)"
@@ -165,22 +165,24 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _files(parsed: argparse.Namespace) -> dict[str, str | None]:
+    """Files asked for, by kind."""
+    kinds = ("csv", "json", "parquet", "figure")
+    return {kind: getattr(parsed, kind) for kind in kinds if hasattr(parsed, kind)}
+
+
 def _run(parsed: argparse.Namespace) -> None:
-    asked = {kind: getattr(parsed, kind) for kind in run.KINDS}
-    run.run(parsed.case, asked, parsed.runway)
+    run.run(parsed.case, _files(parsed), parsed.runway)
 
 
 def _sweep(parsed: argparse.Namespace) -> None:
-    from . import sweep
-
-    sweep.run(parsed.case, {kind: getattr(parsed, kind) for kind in sweep.KINDS})
+    sweep.run(parsed.case, _files(parsed))
 
 
 def _mc(parsed: argparse.Namespace) -> None:
-    from . import monte_carlo
-
-    asked = {kind: getattr(parsed, kind) for kind in monte_carlo.KINDS}
-    monte_carlo.run(parsed.case, asked, runs=parsed.runs, out=parsed.out, quiet=parsed.quiet)
+    monte_carlo.run(
+        parsed.case, _files(parsed), runs=parsed.runs, out=parsed.out, quiet=parsed.quiet
+    )
 
 
 def _example(_: argparse.Namespace) -> None:

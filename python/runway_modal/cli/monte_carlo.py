@@ -5,33 +5,26 @@ from __future__ import annotations
 import re
 import sys
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from runway_modal import stored, tables, tables_ensemble
+from runway_modal import stored, tables_ensemble
 from runway_modal._input import integer
 from runway_modal._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
 from runway_modal.case import read_case
+from runway_modal.plotting_ensemble import histograms_and_exceedances
 from runway_modal.roughness import monte_carlo
 from runway_modal.units import FORCE
 
-from .notes import on_dampers
-from .output import (
-    STANDARD,
-    check_files,
-    opened,
-    save_figure,
-    say,
-    stated_speed,
-    summary_stream,
-)
+from .notes import ignored, on_dampers
+from .output import Output, figure_writer, table_writers
 from .progress import progress_bar
-from .text import modes_table
+from .text import heading, modes_table, stated_speed, unloading
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
 
     from runway_modal.case import Case
     from runway_modal.case.random_runways import RandomRunways
@@ -57,22 +50,20 @@ def run(
     random = case.random_runways()
     if runs is not None:
         random = replace(random, runs=integer("--runs", runs, 1))
-    if case.reference is not None:
-        table = case.root.table("aircraft")
-        raise table.fault("nonlinear: a Monte Carlo needs the linear model", "nonlinear")
-    wanted = {kind: to or "" for kind, to in asked.items()}
-    stream = summary_stream(case, wanted)
-    check_files(wanted)
+    case.need_linear("a Monte Carlo")
+    output = Output.of(case, asked)
     ensembles = _compute(case, random, out, quiet=quiet)
-    say("\n".join(_summary(path, case, random, ensembles)), stream)
+    output.say(_summary(path, case, random, ensembles))
     if out is not None:
-        say(f"runs kept in: {out}", stream)
-    # Files first: the reader of standard output may stop early.
-    for kind, to in sorted(wanted.items(), key=lambda item: item[1] == STANDARD):
-        if to:
-            _WRITERS[kind](case, ensembles, to)
-            if to != STANDARD:
-                say(f"{kind}: {to}", stream)
+        output.say([f"runs kept in: {out}"])
+    output.write(
+        table_writers(
+            lambda: map(tables_ensemble.quantities, ensembles.values()), case.units, index="run"
+        )
+        | figure_writer(
+            lambda: histograms_and_exceedances(ensembles, _title(case), units=case.units)
+        )
+    )
 
 
 def _compute(
@@ -121,9 +112,8 @@ def _folder(speed: str) -> str:
 def _summary(
     path: Path, case: Case, random: RandomRunways, ensembles: Mapping[str, Ensemble]
 ) -> Iterator[str]:
-    length, force = case.units.length, case.units.force
-    yield _title(case)
-    yield f"Units: {length}, {force}, s"
+    length = case.units.length
+    yield from heading(case, _title(case))
     yield from on_dampers(case, {})
     low, high = random.roughness.band
     yield (
@@ -139,9 +129,7 @@ def _summary(
         if random.tracks == "one"
         else "  each gear on a track of its own, coherent as on an isotropic surface"
     )
-    over = [f"[{key}]" for key in ("[track]", "footprint") if key.strip("[]") in case.root.values]
-    if over:
-        yield f"Ignored (used only by `runway-modal run`): {', '.join(over)}"
+    yield from ignored(case, "mc", "track", "footprint", "duration", "output")
     yield ""
     yield from modes_table(case)
     for name, ensemble in ensembles.items():
@@ -235,34 +223,5 @@ def _shares(ensemble: Ensemble, random: RandomRunways) -> Iterator[str]:
     yield f"  {head:<{width}}{'':>12}{'from':>12}{'to':>12}"
     for what, value, low, high in rows:
         yield f"  {what:<{width}}{value:12.4f}{low:12.4f}{high:12.4f}"
-    if ensemble.unloaded.any():
-        lost = ", ".join(
-            name for i, name in enumerate(ensemble.gear_names) if ensemble.unloaded[:, i].any()
-        )
-        yield f"  WARNING: load reaches zero on {lost}; the linear model does not hold beyond that"
-
-
-def _write_csv(case: Case, ensembles: Mapping[str, Ensemble], to: str) -> None:
-    with opened(to) as file:
-        tables.write_csv(map(tables_ensemble.quantities, ensembles.values()), case.units, file)
-
-
-def _write_parquet(case: Case, ensembles: Mapping[str, Ensemble], to: str) -> None:
-    found = map(tables_ensemble.quantities, ensembles.values())
-    tables.write_parquet(found, case.units, Path(to), index="run")
-
-
-def _write_figure(case: Case, ensembles: Mapping[str, Ensemble], to: str) -> None:
-    from runway_modal.plotting_ensemble import histograms_and_exceedances
-
-    save_figure(histograms_and_exceedances(ensembles, _title(case), units=case.units), to)
-
-
-_WRITERS: dict[str, Callable[[Case, Mapping[str, Ensemble], str], None]] = {
-    "csv": _write_csv,
-    "parquet": _write_parquet,
-    "figure": _write_figure,
-}
-
-#: Kinds of files.
-KINDS = tuple(_WRITERS)
+    lost = zip(ensemble.gear_names, ensemble.unloaded.T, strict=True)
+    yield from unloading([gear for gear, runs in lost if runs.any()])

@@ -29,6 +29,19 @@ def notes(case: Case) -> Iterator[str]:
     yield from _on_grades(case, tracks)
 
 
+def ignored(case: Case, command: str, *keys: str) -> Iterator[str]:
+    """Tell which of these tables and keys a file has, although the command does not use them."""
+    there = [
+        key
+        for key in keys
+        if (case.root.table("run").values if key == "duration" else case.root.values).get(key)
+    ]
+    names = {"track": "[[track]]", "duration": "duration"}
+    if there:
+        named = ", ".join(names.get(key, f"[{key}]") for key in there)
+        yield f"Not used by `runway-modal {command}`: {named}"
+
+
 def on_dampers(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:
     """Tell which effects of the dampers a linear run over these tracks leaves out."""
     damped = [gear.name for gear in case.modes.aircraft.gears if gear.damping]

@@ -3,27 +3,21 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from runway_modal import tables, tables_response
 from runway_modal._input import integer
 from runway_modal.case import Case, read_case
 
-from .notes import notes
-from .output import (
-    STANDARD,
-    check_files,
-    opened,
-    save_figure,
-    say,
-    stated_speed,
-    summary_stream,
-)
-from .text import loads_table, modes_table, name_width
+from .notes import ignored, notes
+from .output import Output, figure_writer, opened, table_writers
+from .text import heading, loads_table, modes_table, name_width, stated_speed, unloading
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
 
     from runway_modal import nonlinear
     from runway_modal.response import Response
@@ -42,24 +36,22 @@ def run(path: Path, asked: Mapping[str, str | None], runway: int | None = None) 
     case = read_case(path)
     if runway is not None:
         case = case.over_random_runway(integer("--runway", runway, 0))
-    wanted = {kind: str(asked[kind] or case.output.get(kind) or "") for kind in KINDS}
-    stream = summary_stream(case, wanted)
-    check_files(wanted)
+    files = {kind: to or case.output.get(kind) for kind, to in asked.items()}
+    output = Output.of(case, files)
     runs = case.run()
-    say("\n".join(_summary(case, runs)), stream)
-    # Files first: the reader of standard output may stop early.
-    for kind, to in sorted(wanted.items(), key=lambda item: item[1] == STANDARD):
-        if to:
-            _WRITERS[kind](case, runs, to)
-            if to != STANDARD:
-                say(f"{kind}: {to}", stream)
+    output.say(_summary(case, runs, random=runway is not None))
+    output.write(
+        table_writers(lambda: _tables(case, runs), case.units)
+        | figure_writer(lambda: _figure(case, runs))
+        | {"json": lambda to: _write_json(case, runs, to)}
+    )
 
 
-def _summary(case: Case, runs: Runs) -> Iterator[str]:
-    units = case.units
-    yield case.title
-    yield f"Units: {units.length}, {units.force}, s"
+def _summary(case: Case, runs: Runs, *, random: bool) -> Iterator[str]:
+    yield from heading(case)
     yield from notes(case)
+    if random:
+        yield from ignored(case, "run --runway", "track", "footprint", "duration", "output")
     yield ""
     if case.reference is not None:
         yield "Nonlinear aircraft; its modes near rest:"
@@ -84,14 +76,8 @@ def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) ->
     for station, value in extremes.max_acceleration.items():
         at = extremes.time_of_max_acceleration[station]
         yield f"  {station:<{width}} {value / units.standard_gravity:35.4f} {at:10.4f}"
-    if unloaded.any() and case.reference is None:
-        lost = ", ".join(n for n, u in zip(gears, unloaded, strict=True) if u)
-        yield f"  WARNING: load reaches zero on {lost}; the linear model does not hold beyond that"
-
-
-def _write_csv(case: Case, runs: Runs, to: str) -> None:
-    with opened(to) as file:
-        tables.write_csv(_tables(case, runs), case.units, file)
+    if case.reference is None:
+        yield from unloading([name for name, lost in zip(gears, unloaded, strict=True) if lost])
 
 
 def _write_json(case: Case, runs: Runs, to: str) -> None:
@@ -137,15 +123,11 @@ def _results(case: Case, name: str, response: Response | nonlinear.Response) -> 
     }
 
 
-def _write_parquet(case: Case, runs: Runs, to: str) -> None:
-    tables.write_parquet(_tables(case, runs), case.units, Path(to))
-
-
-def _write_figure(case: Case, runs: Runs, to: str) -> None:
+def _figure(case: Case, runs: Runs) -> Figure:
     from runway_modal.plotting import loads_over_profile
 
     gears = case.modes.aircraft.gear_names
-    figure = loads_over_profile(
+    return loads_over_profile(
         runs,
         # The model of one degree of freedom has one gear, named "gear".
         {name: name if name == "gear" else f"{name} gear" for name in gears},
@@ -153,21 +135,9 @@ def _write_figure(case: Case, runs: Runs, to: str) -> None:
         units=case.units,
         against="time" if len(runs) == 1 else "distance",
     )
-    save_figure(figure, to)
 
 
 def _tables(case: Case, runs: Runs) -> Iterator[list[tables.Quantity]]:
     return (
         tables_response.with_speed(case.speeds[name], response) for name, response in runs.items()
     )
-
-
-_WRITERS: dict[str, Callable[[Case, Runs, str], None]] = {
-    "csv": _write_csv,
-    "json": _write_json,
-    "parquet": _write_parquet,
-    "figure": _write_figure,
-}
-
-#: Kinds of files.
-KINDS = tuple(_WRITERS)

@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from runway_modal import tables, tables_sweep
+from runway_modal import tables_sweep
 from runway_modal._axes import ACCELERATION_LIMIT
 from runway_modal.case import read_case
+from runway_modal.plotting_sweep import loads_and_accelerations
 from runway_modal.sweep import sweep, worst_speed
 from runway_modal.units import SPEED
 
-from .notes import notes
-from .output import (
-    STANDARD,
-    check_files,
-    opened,
-    save_figure,
-    say,
-    summary_stream,
-)
-from .text import load_digits, loads_table, modes_table, name_width
+from .notes import ignored, notes
+from .output import Output, figure_writer, table_writers
+from .text import heading, load_digits, loads_table, modes_table, name_width, unloading
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -38,24 +33,17 @@ if TYPE_CHECKING:
 def run(path: Path, asked: Mapping[str, str | None]) -> None:
     """Sweep the speeds of a case file; `asked` names files by kind."""
     case = read_case(path)
+    case.need_linear("a sweep")
     span, tracks = case.speed_range(), case.given_tracks()
-    if case.reference is not None:
-        table = case.root.table("aircraft")
-        raise table.fault("nonlinear: a sweep needs the linear model", "nonlinear")
-    wanted = {kind: to or "" for kind, to in asked.items()}
-    stream = summary_stream(case, wanted)
-    check_files(wanted)
+    output = Output.of(case, asked)
     with span.place.located():
         found = sweep(case.modes, tracks, span.speeds(), damping_input=case.damping_input)
-    say("\n".join(_summary(case, found)), stream)
-    if span.tolerance is not None:
-        say("\n".join(_proven(case, tracks, span, span.tolerance)), stream)
-    # Files first: the reader of standard output may stop early.
-    for kind, to in sorted(wanted.items(), key=lambda item: item[1] == STANDARD):
-        if to:
-            _WRITERS[kind](case, found, to)
-            if to != STANDARD:
-                say(f"{kind}: {to}", stream)
+    proven = list(_proven(case, tracks, span))
+    output.say([*_summary(case, found), *proven])
+    output.write(
+        table_writers(lambda: [tables_sweep.quantities(found)], case.units)
+        | figure_writer(lambda: loads_and_accelerations(found, case.title, units=case.units))
+    )
 
 
 def _knots(case: Case, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -63,26 +51,24 @@ def _knots(case: Case, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _summary(case: Case, found: Sweep) -> Iterator[str]:
-    units, knots = case.units, _knots(case, found.speed)
-    yield case.title
-    yield f"Units: {units.length}, {units.force}, s"
+    knots = _knots(case, found.speed)
+    yield from heading(case)
     yield from notes(case)
+    yield from ignored(case, "sweep", "duration", "output")
     yield ""
     yield from modes_table(case)
     yield ""
     yield f"{knots.size} speeds from {knots[0]:.6g} to {knots[-1]:.6g} kt"
     yield from _loads(case, found, knots)
     yield from _accelerations(case, found, knots)
-    lost = {
-        gear: knots[found.unloaded[:, i]] for i, gear in enumerate(found.modes.aircraft.gear_names)
-    }
-    if found.unloaded.any():
-        where = ", ".join(
-            f"{gear} (at {at.size} speeds, from {at[0]:.6g} kt)"
-            for gear, at in lost.items()
-            if at.size
-        )
-        yield f"  WARNING: load reaches zero on {where}; the linear model does not hold beyond that"
+    lost = zip(case.aircraft.gear_names, found.unloaded.T, strict=True)
+    yield from unloading(
+        [
+            f"{gear} (at {at.sum()} speeds, from {knots[at][0]:.6g} kt)"
+            for gear, at in lost
+            if at.any()
+        ]
+    )
 
 
 def _loads(case: Case, found: Sweep, knots: NDArray[np.float64]) -> Iterator[str]:
@@ -109,10 +95,10 @@ def _accelerations(case: Case, found: Sweep, knots: NDArray[np.float64]) -> Iter
         yield f"  {station:<{width}} {shares[at]:35.4f} {knots[at]:10.4f} {first:>24}"
 
 
-def _proven(
-    case: Case, tracks: Mapping[str, Profile], span: SpeedRange, tolerance: float
-) -> Iterator[str]:
+def _proven(case: Case, tracks: Mapping[str, Profile], span: SpeedRange) -> Iterator[str]:
     """Tell what no speed of the range exceeds, between the steps too."""
+    if span.tolerance is None:
+        return
     width, digits, force = name_width(case), load_digits(case), case.units.force
     yield ""
     yield "Largest load at any speed of the range, proven"
@@ -125,42 +111,13 @@ def _proven(
                 tracks,
                 (span.low, span.high),
                 at=gear,
-                tolerance=tolerance,
+                tolerance=span.tolerance,
                 damping_input=case.damping_input,
             )
         (knots,) = _knots(case, np.array([worst.speed]))
+        # Rounded up: what is printed is proven, too.
+        bound = f"{math.ceil(worst.bound * 10**digits) / 10**digits:.{digits}f}"
         yield (
-            f"  {gear:<{width}} {worst.value:15.{digits}f} {knots:10.4f}"
-            f" {worst.bound:20.{digits}f} {worst.runs:10d}"
+            f"  {gear:<{width}} {worst.value:15.{digits}f} {knots:10.4f} {bound:>20}"
+            f" {worst.runs:10d}"
         )
-
-
-def _write_csv(case: Case, found: Sweep, to: str) -> None:
-    with opened(to) as file:
-        tables.write_csv([tables_sweep.quantities(found)], case.units, file)
-
-
-def _write_parquet(case: Case, found: Sweep, to: str) -> None:
-    tables.write_parquet([tables_sweep.quantities(found)], case.units, Path(to))
-
-
-def _write_figure(case: Case, found: Sweep, to: str) -> None:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.0, 7.5), layout="constrained")
-    loads, accelerations = figure.subplots(2, 1, sharex=True)
-    found.plot(ax=loads, units=case.units)
-    found.plot_acceleration(ax=accelerations, units=case.units)
-    loads.set_xlabel("")
-    figure.suptitle(case.title)
-    save_figure(figure, to)
-
-
-_WRITERS: dict[str, Callable[[Case, Sweep, str], None]] = {
-    "csv": _write_csv,
-    "parquet": _write_parquet,
-    "figure": _write_figure,
-}
-
-#: Kinds of files.
-KINDS = tuple(_WRITERS)

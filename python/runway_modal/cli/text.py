@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from runway_modal.extremes import share
+
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
     from typing import TypeAlias
 
     import numpy as np
@@ -16,6 +18,18 @@ if TYPE_CHECKING:
 
     #: Loads by gear, when each occurs (or at which speed), and where.
     Peaks: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+
+
+def heading(case: Case, title: str = "") -> Iterator[str]:
+    """Begin a summary."""
+    yield title or case.title
+    yield f"Units: {case.units.length}, {case.units.force}, s"
+
+
+def stated_speed(case: Case, name: str) -> str:
+    """Give a speed as written in the file, and in the case's units."""
+    exact = f"{case.speeds[name]:.6g} {case.units.length}/s"
+    return name if name == exact else f"{name} = {exact}"
 
 
 def modes_table(case: Case) -> Iterator[str]:
@@ -55,7 +69,14 @@ def loads_table(
     rows = zip(aircraft.gear_names, aircraft.static_load, *largest, *smallest, remarks, strict=True)
     for gear, static, high, high_at, high_where, low, low_at, low_where, remark in rows:
         yield (
-            f"  {gear:<{width}} {static:15.{digits}f} {high:16.{digits}f} {high / static:9.3f}"
+            f"  {gear:<{width}} {static:15.{digits}f} {high:16.{digits}f} {share(high, static):>9}"
             f" {high_at:10.4f} {high_where:10.2f} {low:17.{digits}f} {low_at:10.4f}"
             f" {low_where:10.2f}  {remark}".rstrip()
         )
+
+
+def unloading(gears: Sequence[str]) -> Iterator[str]:
+    """Warn of gears whose load reaches zero in a linear run."""
+    if gears:
+        names = ", ".join(gears)
+        yield f"  WARNING: load reaches zero on {names}; the linear model does not hold beyond that"

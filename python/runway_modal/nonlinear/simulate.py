@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from runway_modal._core import InputError, NumericalError
+from runway_modal._extras import need
 from runway_modal._input import number
 from runway_modal._tracks import by_gear
 from runway_modal.simulate import simulate as simulate_linear
@@ -139,13 +140,10 @@ class _Integration:
     """Integration from the first break to the end."""
 
     def __init__(self, motion: Motion, ground: list[Stretch], rtol: float, scales: Array) -> None:
-        try:
-            from scipy.integrate import DOP853
-            from scipy.optimize import brentq
-        except ImportError:
-            raise ImportError(
-                "nonlinear.simulate needs scipy: pip install 'runway_modal[taxi]'"
-            ) from None
+        need("nonlinear runs", "taxi", "scipy")
+        from scipy.integrate import DOP853
+        from scipy.optimize import brentq
+
         # The stepper itself and not `solve_ivp`, which looks for events only at the ends of steps:
         # a short lift-off within one would go unseen.
         self._stepper, self._root = DOP853, brentq

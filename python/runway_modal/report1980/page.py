@@ -6,12 +6,12 @@ import base64
 import os
 from html import escape
 from importlib.metadata import version
-from importlib.util import find_spec
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from runway_modal._core import InputError
+from runway_modal._extras import need
 
 from .figures import FIGURES
 from .inputs import INPUTS
@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from .statements import Finding, Statement
 
     Judged = Sequence[tuple[Statement, Finding]]
-
-#: What the page needs, by the extra that brings it.
-_NEEDS = {"matplotlib": "plot", "scipy": "taxi"}
 
 _CLASS = {True: "holds", False: "fails", None: "open"}
 
@@ -66,12 +63,7 @@ def write_page(directory: str | os.PathLike[str]) -> Path:
     """
     if not isinstance(directory, str | os.PathLike):
         raise InputError(f"directory = {directory!r} is not a path")
-    missing = [name for name in _NEEDS if find_spec(name) is None]
-    if missing:
-        extras = ",".join(_NEEDS[name] for name in missing)
-        raise ImportError(
-            f"the page needs {' and '.join(missing)}: pip install 'runway_modal[{extras}]'"
-        )
+    need("report pages", "plot,taxi", "matplotlib", "scipy")
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "report1980.html"

@@ -504,6 +504,8 @@ def test_bad_table(n: list[float], psd: list[float], message: str) -> None:
         ({"damping_input": 1}, "damping_input = 1 is not True or False"),
         ({"speed": 0.0}, "speed = 0.0 is not positive"),
         ({"speed": [1.0, 2.0]}, "speed has 2 entries, 3 expected"),
+        ({"speed": [1.0]}, "speed has 1 entries, 3 expected"),
+        ({"speed": [[1.0], [1.0, 2.0]]}, "speed is not a rectangular array"),
         ({"speed": [1.0, np.nan, 2.0]}, "speed[1] = NaN is not finite"),
         ({"runs": 0}, "runs = 0 must be at least 1"),
         ({"spacing": 0.7}, "spacing = 0.7 is too coarse"),

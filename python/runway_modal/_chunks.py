@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, TypedDict
 import numpy as np
 
 from ._core import InputError
-from ._input import array, integer, refuse
+from ._input import integer, one_or_each, refuse
 from .ensemble import masks
 from .roughness import Roughness, lateral_positions, monte_carlo
 
@@ -70,24 +70,22 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> l
     runs = integer("runs", options["runs"], 1)
     first_run = integer("first_run", options.get("first_run", 0), 0)
     size = integer("chunk", size, 1)
-    speed = array("speed", options["speed"], ndim=None)
-    if speed.ndim > 1 or (speed.ndim == 1 and speed.size not in (1, runs)):
-        raise InputError(f"speed has shape {speed.shape}; one value or one per run expected")
+    speed = one_or_each("speed", options["speed"], runs)
     # Checked here: a chunk would count indices from its own first run.
-    refuse("speed", speed, ~((speed > 0) & np.isfinite(speed)), "is not positive and finite")
-    each = speed.size == runs and speed.ndim == 1
+    given = speed.reshape(np.shape(options["speed"]))
+    refuse("speed", given, ~((given > 0) & np.isfinite(given)), "is not positive and finite")
 
     def part(begin: int) -> Chunk:
         end = min(begin + size, runs)
         own = options.copy()
-        own["speed"] = speed[begin:end] if each else speed
+        own["speed"] = speed[begin:end] if speed.size == runs else speed[0]
         own["first_run"], own["runs"] = first_run + begin, end - begin
         return Chunk(modes, roughness, own)
 
     parts = [part(begin) for begin in range(0, runs, size)]
     # One trial run checks the other arguments before any result is kept.
     trial = parts[0].options.copy()
-    trial["runs"], trial["speed"] = 1, speed.flat[:1]
+    trial["runs"], trial["speed"] = 1, speed[0]
     Chunk(modes, roughness, trial).compute()
     return parts
 

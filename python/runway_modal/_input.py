@@ -78,6 +78,19 @@ def array(argument: str, values: ArrayLike, ndim: int | None = 1) -> NDArray[np.
     return np.asarray(given, dtype=np.float64, order="C")
 
 
+def one_or_each(
+    argument: str, values: ArrayLike, count: int | None = None, of: str = "run"
+) -> NDArray[np.float64]:
+    """Check one number for all, shape (1,), or one for each of `count`, shape (count,)."""
+    given = any_array(argument, values)
+    if given.ndim == 0:
+        return np.array([number(argument, values)])
+    each = array(argument, given)
+    if count is not None and each.size != count:
+        raise InputError(f"{argument} has {each.size} entries, {count} expected (one per {of})")
+    return each
+
+
 def refuse(argument: str, values: NDArray[Any], wrong: NDArray[np.bool_], why: str) -> None:
     """Raise for the first wrong value, if there is one."""
     for index in np.argwhere(wrong):

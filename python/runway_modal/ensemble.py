@@ -11,20 +11,21 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import any_array, array, flag, integer, number, read_only, refuse
+from ._input import any_array, array, flag, integer, number, one_or_each, read_only, refuse
 from ._pickled import Pickled
 from ._quantities import DIMENSIONS, DOWNWARD, column_of, labels
 from ._text import table
 from .modes import Modes, check_modes
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
+    from .aircraft import Aircraft
     from .units import Units
 
 
@@ -682,13 +683,7 @@ def simulate_many(
     mask = masks(on_error)
     # Run numbers of ensembles have 63 bits.
     first_run = integer("first_run", first_run, 0, 2**63 - runs + 1)
-    speeds = any_array("speed", speed)
-    if speeds.ndim == 0:
-        speeds = np.array([number("speed", speed)])
-    else:
-        speeds = array("speed", speeds)
-        if speeds.size != runs:
-            raise InputError(f"speed has {speeds.size} entries, {runs} expected (one per run)")
+    speeds = one_or_each("speed", speed, runs)
     names = list(each[0].aircraft.stations)
     h = number("spacing", spacing)
     results, failed = _core.simulate_many(
@@ -700,11 +695,10 @@ def simulate_many(
         damping_input,
         mask,
     )
-    max_load, min_load, rms_load, max_acceleration, rms_acceleration = map(read_only, results)
-    aircraft = each[0].aircraft
     of_modes = describe(each[0])
     if not isinstance(modes, Modes):
-        of_modes = {"gears": list(aircraft.gear_names), "stations": names, "modes": "one per run"}
+        gears = list(each[0].aircraft.gear_names)
+        of_modes = {"gears": gears, "stations": names, "modes": "one per run"}
     setup = {
         **of_modes,
         "tracks": tracks,
@@ -713,17 +707,36 @@ def simulate_many(
         "damping_input": damping_input,
     }
     static = np.stack([one.aircraft.static_load for one in each])
+    return assembled(each[0].aircraft, results, failed, setup, first_run, speeds, static)
+
+
+def assembled(
+    aircraft: Aircraft,
+    results: Sequence[NDArray[np.float64]],
+    failed: Iterable[tuple[int, str]],
+    setup: dict[str, Any],
+    first_run: int,
+    speeds: NDArray[np.float64],
+    static: NDArray[np.float64],
+) -> Ensemble:
+    """Make an ensemble of what the core gives; speeds and static loads may be of all runs alike."""
+    max_load, min_load, rms_load, max_acceleration, rms_acceleration = map(read_only, results)
+    runs = len(max_load)
+
+    def by_station(columns: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        return {name: columns[:, i] for i, name in enumerate(aircraft.stations)}
+
     return Ensemble(
         gear_names=aircraft.gear_names,
         setup=setup,
         run=read_only(np.arange(first_run, first_run + runs, dtype=np.int64)),
-        speed=np.broadcast_to(speeds, (runs,)),
+        speed=np.broadcast_to(speeds, runs),
         static_load=np.broadcast_to(static, max_load.shape),
         max_load=max_load,
         min_load=min_load,
         rms_load=rms_load,
-        max_acceleration={name: max_acceleration[:, i] for i, name in enumerate(names)},
-        rms_acceleration={name: rms_acceleration[:, i] for i, name in enumerate(names)},
+        max_acceleration=by_station(max_acceleration),
+        rms_acceleration=by_station(rms_acceleration),
         failures={first_run + run: reason for run, reason in failed},
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import any_array, array, flag, number, read_only
+from ._input import array, flag, one_or_each, read_only
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -122,10 +122,9 @@ class Modes:
         static_correction: bool = False,
     ) -> None:
         omega = array("omega", omega)
-        ratio = any_array("damping_ratio", damping_ratio)
-        if ratio.ndim == 0:
-            ratio = np.full(omega.shape, array("damping_ratio", ratio, ndim=0))
-        ratio = array("damping_ratio", ratio)
+        ratio = np.full(
+            omega.shape, one_or_each("damping_ratio", damping_ratio, omega.size, "mode")
+        )
         shapes = array("shapes", shapes, ndim=2)
         if shapes.shape != (3, omega.size):
             raise InputError(
@@ -144,13 +143,10 @@ class Modes:
     def _natural(cls, aircraft: Aircraft, damping_ratio: ArrayLike | None) -> Modes:
         ratio = None
         if damping_ratio is not None:
-            given = any_array("damping_ratio", damping_ratio)
-            alone = given.ndim == 0
-            ratio = array(
-                "damping_ratio", [number("damping_ratio", damping_ratio)] if alone else given
-            )
-            # One number stands for all modes; an array gives one for each.
-            if given.ndim == 1 and given.size == 1 and np.linalg.matrix_rank(aircraft.geometry) > 1:
+            ratio = one_or_each("damping_ratio", damping_ratio)
+            # To the core one number stands for all modes; an array gives one for each.
+            several = ratio.size > 1 or np.linalg.matrix_rank(aircraft.geometry) == 1
+            if np.ndim(damping_ratio) and not several:
                 raise InputError(
                     "damping_ratio has 1 entry, one per mode expected; pass a number for all"
                 )

@@ -8,8 +8,8 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, finite, flag, integer, number, read_only, refuse
-from .ensemble import Ensemble, describe, masks
+from ._input import array, finite, flag, integer, number, one_or_each, read_only, refuse
+from .ensemble import Ensemble, assembled, describe, masks
 from .modes import Modes, check_modes
 from .profile import Profile
 from .units import convert_length, length_unit
@@ -522,39 +522,24 @@ def monte_carlo(
     runs = integer("runs", runs, 1)
     # Run numbers of ensembles have 63 bits.
     first_run = integer("first_run", first_run, 0, _NUMBERS // 2 - runs + 1)
-    numbers_of_runs = np.arange(first_run, first_run + runs, dtype=np.int64)
-    numbers_of_runs.flags.writeable = False
     y = lateral_positions(modes, tracks)
     generator = roughness._generator(length, spacing, seed, y)
-    given = np.asarray(speed)
-    speeds = array("speed", given.reshape(1) if given.ndim == 0 else given)
-    stations = modes.aircraft.stations
-    points = np.array(list(stations.values()))
+    speeds = one_or_each("speed", speed, runs)
+    points = np.array(list(modes.aircraft.stations.values()))
     results, failed = _core.monte_carlo(
         modes._core, generator, first_run, runs, speeds.tolist(), points, damping_input, mask
     )
-    max_load, min_load, rms_load, max_acc, rms_acc = (read_only(result) for result in results)
-    return Ensemble(
-        gear_names=modes.aircraft.gear_names,
-        setup=setup(
-            modes,
-            roughness,
-            length=length,
-            spacing=spacing,
-            seed=seed,
-            tracks=tracks,
-            damping_input=damping_input,
-        ),
-        run=numbers_of_runs,
-        speed=np.broadcast_to(speeds, runs),
-        static_load=np.broadcast_to(modes.aircraft.static_load, max_load.shape),
-        max_load=max_load,
-        min_load=min_load,
-        rms_load=rms_load,
-        max_acceleration={name: max_acc[:, i] for i, name in enumerate(stations)},
-        rms_acceleration={name: rms_acc[:, i] for i, name in enumerate(stations)},
-        failures={first_run + run: reason for run, reason in failed},
+    about = setup(
+        modes,
+        roughness,
+        length=length,
+        spacing=spacing,
+        seed=seed,
+        tracks=tracks,
+        damping_input=damping_input,
     )
+    static = modes.aircraft.static_load
+    return assembled(modes.aircraft, results, failed, about, first_run, speeds, static)
 
 
 def setup(

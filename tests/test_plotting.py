@@ -172,6 +172,19 @@ def test_runs_on_one_axes_are_all_in_sight() -> None:
     assert high - low < 1.5 * np.ptp(alone.get_ylim())
 
 
+def test_sweeps_on_one_axes_differ() -> None:
+    modes, speeds = rm.f4e().modes(0.01), [200.0, 400.0]
+    loads, accelerations = Figure().subplots(2, 1)
+    for mat in (rm.Profile.full_mat(), rm.Profile.half_mat()):
+        sweep = rm.sweep(modes, mat, speeds)
+        sweep.plot(["left"], ax=loads)
+        sweep.plot_acceleration(["cg"], ax=accelerations)
+    for ax in (loads, accelerations):
+        lines = [line for line in ax.lines if line.get_label() in ("left", "cg")]
+        assert len({line.get_color() for line in lines}) == len(lines) == 2
+    assert accelerations.get_legend_handles_labels()[1] == ["cg", "±0.4 g", "cg"]
+
+
 def test_a_single_point_is_to_be_seen() -> None:
     modes, mat = rm.f4e().modes(0.01), rm.Profile.full_mat()
     at_once, sweep = rm.simulate(modes, mat, 400.0, times=[1.0]), rm.sweep(modes, mat, 400.0)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from ._core import InputError
 from ._extras import need
+from ._quantities import ACCELERATION_LIMIT
 from .units import THOUSAND, stated
 
 if TYPE_CHECKING:
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
+    from ._results import Aircraft
     from .units import Dimension, Units
 
 #: Distinguishable with any colour vision (Okabe and Ito), blue and vermilion first.
@@ -20,12 +22,11 @@ COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 
 DASHES = ("-", "--", ":")
 
-#: Vertical acceleration at pilot and CG beyond which a runway counts as rough [g]; published:
-#: Morris and Hall, NASA 1965; Navy CEL TR-846, 1976.
-ACCELERATION_LIMIT = 0.4
-
 #: Dashes of static loads, longer than any in `DASHES`.
 STATIC_DASHES = (0, (6, 3))
+
+#: Labels of lines that mark a level.
+STATIC, LIMIT = "static", f"±{ACCELERATION_LIMIT} g"
 
 
 def require() -> None:
@@ -44,25 +45,23 @@ def new_axes() -> Axes:
 def axis_label(quantity: str, dimension: Dimension, units: Units | None) -> str:
     """Label of an axis, with the unit if units are given."""
     units = stated(units)
-    return f"{quantity} [{units.name(dimension)}]" if units else quantity
+    return with_unit(quantity, units.name(dimension) if units else "")
 
 
 def load_unit(units: Units | None) -> tuple[float, str]:
-    """Divisor for loads on an axis, and the unit to print there."""
+    """Divisor for loads on an axis, and their unit there."""
     units = stated(units)
     if units is None:
         return 1.0, ""
-    if units.force in THOUSAND:
-        return 1e3, f" [{THOUSAND[units.force]}]"
-    return 1.0, f" [{units.force}]"
+    return (1e3, THOUSAND[units.force]) if units.force in THOUSAND else (1.0, units.force)
 
 
-class _Aircraft(Protocol):
-    @property
-    def gravity(self) -> float: ...
+def with_unit(what: str, unit: str) -> str:
+    """Label of an axis, with the unit if there is one."""
+    return f"{what} [{unit}]" if unit else what
 
 
-def in_g(what: str, aircraft: _Aircraft, units: Units | None) -> float:
+def in_g(what: str, aircraft: Aircraft, units: Units | None) -> float:
     """Size of one g on an axis: standard gravity or, without units, the aircraft's."""
     units = stated(units)
     if units is not None:
@@ -87,6 +86,12 @@ def shown(argument: str, names: Sequence[str] | None, there: Sequence[str], kind
     return wanted
 
 
+def lines_there(ax: Axes) -> int:
+    """Count the lines that the legend names, but for those that mark a level."""
+    there = ax.get_legend_handles_labels()[1]
+    return len(there) - there.count(STATIC) - there.count(LIMIT)
+
+
 def line_style(i: int) -> tuple[str, str]:
     """Colour and dashes of the i-th line; the first eighteen all differ."""
     return COLORS[i % len(COLORS)], DASHES[i // len(COLORS) % len(DASHES)]
@@ -109,12 +114,11 @@ def mark_static(ax: Axes, load: float, color: str, label: str = "") -> None:
 
 def mark_limits(ax: Axes, *signs: float) -> None:
     """Mark the acceleration beyond which a runway counts as rough, once, on an axis in g."""
-    label = f"±{ACCELERATION_LIMIT} g"
-    if label in ax.get_legend_handles_labels()[1]:
+    if LIMIT in ax.get_legend_handles_labels()[1]:
         return
     for i, sign in enumerate(signs):
         level = sign * ACCELERATION_LIMIT
-        ax.axhline(level, color="0.2", lw=0.9, ls="--", label="" if i else label)
+        ax.axhline(level, color="0.2", lw=0.9, ls="--", label="" if i else LIMIT)
 
 
 def legend_above(ax: Axes) -> None:

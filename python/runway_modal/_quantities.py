@@ -27,6 +27,10 @@ LABELS = {
     "rms_acceleration": "RMS of vertical acceleration",
 }
 
+#: Vertical acceleration at pilot and CG beyond which a runway counts as rough [g]; published:
+#: Morris and Hall, NASA 1965; Navy CEL TR-846, 1976.
+ACCELERATION_LIMIT = 0.4
+
 #: Quantities whose small values are the dangerous ones.
 DOWNWARD = ("min_load",)
 

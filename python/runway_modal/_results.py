@@ -22,11 +22,24 @@ if TYPE_CHECKING:
 Against: TypeAlias = Literal["time", "distance"]
 
 
-class _Aircraft(Protocol):
+class Gear(Protocol):
+    """What gears of linear and nonlinear aircraft share."""
+
+    @property
+    def x(self) -> float: ...
+
+
+class Aircraft(Protocol):
+    """What linear and nonlinear aircraft share."""
+
+    @property
+    def gears(self) -> Sequence[Gear]: ...
     @property
     def gear_names(self) -> tuple[str, ...]: ...
     @property
     def gravity(self) -> float: ...
+    @property
+    def static_load(self) -> Array: ...
 
 
 class Results(Protocol):
@@ -35,7 +48,7 @@ class Results(Protocol):
     _of_gears: ClassVar[tuple[str, ...]]
 
     @property
-    def aircraft(self) -> _Aircraft: ...
+    def aircraft(self) -> Aircraft: ...
     @property
     def time(self) -> Array: ...
     @property

@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from . import _core
 from ._core import InputError
 from .profile import Profile
 
+if TYPE_CHECKING:
+    from ._results import Aircraft
+
 #: The runway under gears that are not named.
 _LEVEL = Profile._wrap(_core.Profile.level())
+
+
+def lags(aircraft: Aircraft) -> list[float]:
+    """Distance of each gear behind the foremost one."""
+    arms = [gear.x for gear in aircraft.gears]
+    front = max(arms)
+    return [front - arm for arm in arms]
 
 
 def by_gear(names: tuple[str, ...], tracks: Profile | Mapping[str, Profile]) -> list[Profile]:

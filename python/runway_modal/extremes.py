@@ -3,42 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from ._input import read_only
 from ._pickled import Pickled
 from ._text import table
+from ._tracks import lags
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
     from numpy.typing import NDArray
 
-
-class _Gear(Protocol):
-    @property
-    def x(self) -> float: ...
-
-
-class _Aircraft(Protocol):
-    """What linear and nonlinear aircraft share."""
-
-    @property
-    def gears(self) -> Sequence[_Gear]: ...
-    @property
-    def gear_names(self) -> tuple[str, ...]: ...
-    @property
-    def static_load(self) -> NDArray[np.float64]: ...
+    from ._results import Aircraft
 
 
 def positions(
-    aircraft: _Aircraft, speed: float | NDArray[np.float64], times: NDArray[np.float64]
+    aircraft: Aircraft, speed: float | NDArray[np.float64], times: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Stations of the runway that gears are at, one column of times per gear."""
-    arms = [gear.x for gear in aircraft.gears]
-    front = max(arms)
-    return read_only(times * speed - [front - arm for arm in arms])
+    return read_only(times * speed - lags(aircraft))
 
 
 def share(load: float, static: float) -> str:
@@ -92,7 +75,7 @@ class Extremes(Pickled):
     cg        296.625   3.00649
     """
 
-    aircraft: _Aircraft
+    aircraft: Aircraft
     speed: float
     max_load: NDArray[np.float64]
     time_of_max: NDArray[np.float64]

@@ -10,10 +10,12 @@ import numpy as np
 
 from ._axes import (
     DASHES,
+    STATIC,
     axis_label,
     in_g,
     legend_above,
     line_style,
+    lines_there,
     load_unit,
     mark_limits,
     mark_static,
@@ -21,6 +23,7 @@ from ._axes import (
     new_axes,
     require,
     shown,
+    with_unit,
 )
 from ._core import InputError
 from .units import LENGTH, TIME
@@ -35,6 +38,8 @@ if TYPE_CHECKING:
     from ._results import Against, Results
     from .profile import Profile
     from .units import Units
+
+__all__ = ["loads_over_profile"]
 
 
 def loads_over_profile(
@@ -139,8 +144,7 @@ def plot_accelerations(
     gravity = in_g("response", response.aircraft, units)
     ax = ax or new_axes()
     at = getattr(response, against)
-    # One less than the labels there are: the limits have one.
-    for i, station in enumerate(wanted, max(0, len(ax.get_legend_handles_labels()[1]) - 1)):
+    for i, station in enumerate(wanted, lines_there(ax)):
         color, dashes = line_style(i)
         share = response.acceleration[station] / gravity
         ax.plot(at, share, color, ls=dashes, lw=1.2, marker=marker(at), label=station)
@@ -173,8 +177,8 @@ def _draw_loads(
     """Draw loads by label, response and column, each static load once."""
     scale, unit = load_unit(units)
     drawn: list[NDArray[np.float64]] = []
-    there = ax.get_legend_handles_labels()[1]
-    for i, (label, response, column) in enumerate(lines, len(there) - there.count("static")):
+    named = STATIC in ax.get_legend_handles_labels()[1]
+    for i, (label, response, column) in enumerate(lines, lines_there(ax)):
         load = response.load[:, column]
         # Equal curves would hide each other.
         hidden = sum(np.array_equal(load, other) for other in drawn)
@@ -189,8 +193,8 @@ def _draw_loads(
         ax.plot(at, load / scale, color=color, marker=marker(at), ls=dashes, lw=1.4, label=label)
     static = dict.fromkeys(float(run.static_load[column]) / scale for _, run, column in lines)
     for i, level in enumerate(static):
-        mark_static(ax, level, "0.35", "" if i or "static" in there else "static")
-    ax.set_ylabel(f"load{unit}")
+        mark_static(ax, level, "0.35", "" if i or named else STATIC)
+    ax.set_ylabel(with_unit("load", unit))
     legend_above(ax)
 
 

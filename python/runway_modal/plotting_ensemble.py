@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._axes import STATIC_DASHES, line_style, load_unit, nested_width, new_axes, require, shown
+from ._axes import (
+    STATIC_DASHES,
+    line_style,
+    load_unit,
+    nested_width,
+    new_axes,
+    require,
+    shown,
+    with_unit,
+)
 from ._core import InputError
 from ._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
 from .units import FORCE, stated
@@ -19,6 +28,8 @@ if TYPE_CHECKING:
 
     from .ensemble import Ensemble
     from .units import Units
+
+__all__ = ["histograms_and_exceedances"]
 
 #: Most bins of a histogram (more would show sampling noise), and levels of a curve.
 _BINS, _LEVELS = 60, 300
@@ -102,8 +113,8 @@ def plot_histogram(
         _mark_static(ax, ensemble, columns, scale)
     if quantity == "min_load":
         ax.axvline(0.0, color="0.35", lw=0.9)
-    ax.set_xlabel(f"{LABELS[quantity]}{f' [{unit}]' if unit else ''}")
-    ax.set_ylabel(f"density of runs{f' [1/{unit}]' if unit else ''}")
+    ax.set_xlabel(with_unit(LABELS[quantity], unit))
+    ax.set_ylabel(with_unit("density of runs", f"1/{unit}" if unit else ""))
     ax.legend(framealpha=0.9, edgecolor="none", fontsize="small")
     ax.grid(alpha=0.25)
     return ax
@@ -154,7 +165,7 @@ def plot_exceedance(
         ax.fill_between(at, low, high, step="post", color=color, alpha=0.15, lw=0)
     ax.set_yscale("log")
     ax.set_ylim(0.5 / runs, 1.5)
-    ax.set_xlabel(f"{LABELS[quantity]}{f' [{unit}]' if unit else ''}")
+    ax.set_xlabel(with_unit(LABELS[quantity], unit))
     ax.set_ylabel(f"share of runs {'at or below' if below else 'above'}")
     ax.legend(framealpha=0.9, edgecolor="none", fontsize="small")
     ax.grid(alpha=0.25)
@@ -173,7 +184,6 @@ def _columns(
 def _scale(quantity: str, units: Units | None) -> tuple[float, str]:
     """Divisor for a quantity on its axis, and the unit to print there."""
     if DIMENSIONS[quantity] == FORCE:
-        scale, unit = load_unit(units)
-        return scale, unit.strip(" []")
+        return load_unit(units)
     units = stated(units)
     return (1.0, "") if units is None else (units.standard_gravity, "g")

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ._axes import (
+    STATIC,
     STATIC_DASHES,
     in_g,
     legend_above,
     line_style,
+    lines_there,
     load_unit,
     mark_limits,
     mark_static,
@@ -19,6 +21,7 @@ from ._axes import (
     new_axes,
     require,
     shown,
+    with_unit,
 )
 from .units import SPEED, stated
 
@@ -31,6 +34,8 @@ if TYPE_CHECKING:
 
     from .sweep import Sweep
     from .units import Units
+
+__all__ = ["loads_and_accelerations"]
 
 
 def loads_and_accelerations(sweep: Sweep, title: str = "", *, units: Units | None = None) -> Figure:
@@ -90,20 +95,21 @@ def plot_loads(
     scale, unit = load_unit(units)
     order = np.argsort(sweep.speed)
     speed = _speed(ax, sweep.speed[order], units)
+    first = lines_there(ax)
     for i, gear in enumerate(wanted):
         column = names.index(gear)
-        color, dashes = line_style(i)
+        color, dashes = line_style(first + i)
         width = nested_width(i, len(wanted))
         low, high = sweep.min_load[order, column] / scale, sweep.max_load[order, column] / scale
         for load, label in ((high, gear), (low, "")):
             ax.plot(speed, load, color, ls=dashes, lw=width, marker=marker(speed), label=label)
         ax.fill_between(speed, low, high, color=color, alpha=0.12, lw=0)
         mark_static(ax, sweep.static_load[column] / scale, color)
-    if "static" not in ax.get_legend_handles_labels()[1]:
+    if STATIC not in ax.get_legend_handles_labels()[1]:
         # Last in the legend, in no gear's colour.
-        ax.plot([], [], color="0.35", lw=0.9, ls=STATIC_DASHES, label="static")
+        ax.plot([], [], color="0.35", lw=0.9, ls=STATIC_DASHES, label=STATIC)
     ax.axhline(0.0, color="0.35", lw=0.9)
-    ax.set_ylabel(f"largest and smallest load{unit}")
+    ax.set_ylabel(with_unit("largest and smallest load", unit))
     legend_above(ax)
     return ax
 
@@ -117,7 +123,7 @@ def plot_accelerations(
     ax = ax or new_axes()
     order = np.argsort(sweep.speed)
     speed = _speed(ax, sweep.speed[order], units)
-    for i, station in enumerate(wanted):
+    for i, station in enumerate(wanted, lines_there(ax)):
         share = sweep.max_acceleration[station][order] / gravity
         color, dashes = line_style(i)
         ax.plot(speed, share, color, ls=dashes, lw=1.3, marker=marker(speed), label=station)

@@ -71,7 +71,6 @@ class Response(Shown):
         self._run = run
         self._again = again
         self.modes = modes
-        self._extremes: Extremes | None = None
         if times is None:
             self.time, self.modal, self.modal_rate = run.sample(duration)
             self._rebuild = partial(again, duration=duration)
@@ -207,11 +206,10 @@ class Response(Shown):
         >>> bool((response.extremes().max_load >= response.load.max(axis=0)).all())
         True
         """
-        if self._extremes is None:
-            self._extremes = self._find_extremes()
         return self._extremes
 
-    def _find_extremes(self) -> Extremes:
+    @cached_property
+    def _extremes(self) -> Extremes:
         begin, end = float(self.time[0]), float(self.time[-1])
         loads, accelerations, times = self._run.extremes(self._stations(), begin, end)
         stations = self.aircraft.stations

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from runway_modal import tables_sweep
-from runway_modal._axes import ACCELERATION_LIMIT
+from runway_modal._quantities import ACCELERATION_LIMIT
 from runway_modal.case import read_case
 from runway_modal.plotting_sweep import loads_and_accelerations
 from runway_modal.sweep import sweep, worst_speed

@@ -18,6 +18,11 @@ def main(arguments: list[str] | None = None) -> None:
     arguments : list of str, optional
         Command line. Default: that of the process.
 
+    Raises
+    ------
+    ImportError
+        If a figure is wanted and matplotlib is not installed.
+
     Examples
     --------
     >>> from runway_modal import report1980

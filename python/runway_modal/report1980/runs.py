@@ -115,6 +115,11 @@ def full_mat(stiffness: Stiffness) -> Response:
     Response
         All three gears over the mat, 1 % damping in every mode.
 
+    Raises
+    ------
+    InputError
+        If there is no such stiffness.
+
     Examples
     --------
     >>> from runway_modal import report1980

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from runway_modal._core import InputError
+from runway_modal._tracks import lags
 from runway_modal.simulate import simulate
 from runway_modal.units import SPEED, TIME, Units
 
@@ -105,14 +106,14 @@ class Case:
     def over_random_runway(self, run: int) -> Case:
         """Take one of the random runways as tracks; a run lasts as long as in the Monte Carlo."""
         tracks = self.random_runways().profiles(self.modes, run)
-        x = [gear.x for gear in self.modes.aircraft.gears]
+        end = max(float(track.x[-1]) for track in tracks.values())
         return replace(
             self,
             title=f"{self.title}: random runway {run}",
             tracks=tracks,
             track_notes=(),
             output={},  # [output] is for results over the tracks
-            distance=max(float(track.x[-1]) for track in tracks.values()) + max(x) - min(x),
+            distance=end + max(lags(self.modes.aircraft)),
         )
 
     def run(self) -> dict[str, Response | nonlinear.Response]:

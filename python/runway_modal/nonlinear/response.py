@@ -11,6 +11,7 @@ import numpy as np
 from runway_modal._core import InputError
 from runway_modal._input import any_array, array, number, read_only, refuse
 from runway_modal._results import Shown
+from runway_modal._tracks import lags
 from runway_modal.aircraft import equivalent_stiffness
 from runway_modal.extremes import Extremes
 
@@ -333,8 +334,7 @@ class Response(Shown):
         return float(values[top]), float(times[top])
 
     def _window(self, begin: float, end: float, gear: int) -> tuple[float, float]:
-        arms = [gear.x for gear in self.aircraft.gears]
-        lag = max(arms) - arms[gear]
+        lag = lags(self.aircraft)[gear]
         return (begin + lag) / self.speed, (end + lag) / self.speed
 
     def stiffness_between(self, begin: float, end: float, step: float = 0.01) -> dict[str, Array]:

@@ -9,7 +9,7 @@ import numpy as np
 from runway_modal._core import InputError, NumericalError
 from runway_modal._extras import need
 from runway_modal._input import number
-from runway_modal._tracks import by_gear
+from runway_modal._tracks import by_gear, lags
 from runway_modal.simulate import simulate as simulate_linear
 
 from .aircraft import Aircraft
@@ -118,8 +118,7 @@ def simulate(
         modes, tracks, speed, times=times, duration=duration, damping_input=True
     )
     profiles = by_gear(aircraft.gear_names, tracks)
-    front = max(gear.x for gear in aircraft.gears)
-    ground = stretches(profiles, [front - gear.x for gear in aircraft.gears], speed)
+    ground = stretches(profiles, lags(aircraft), speed)
     motion = Motion(aircraft)
     run = _Integration(motion, ground, rtol, _scales(aircraft, motion, modes.omega.max()))
     pieces = list(run.pieces(reference.time[-1]))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol, Self
 
 import numpy as np
 
+from runway_modal._tracks import lags
 from runway_modal.aircraft import equivalent_stiffness, f4e, single_dof
 from runway_modal.profile import Profile
 from runway_modal.simulate import simulate
@@ -167,13 +168,12 @@ def after_over_on(response: Response, profile: Profile) -> NDArray[np.float64]:
     >>> report1980.after_over_on(mat, rm.Profile.full_mat())[1].round(2)
     np.float64(1.53)
     """
-    arms = response.modes.aircraft.geometry[:, 1]
-    lag = arms.max() - arms
+    lag = np.array(lags(response.aircraft))
     on = (profile.x[1:3, None] + lag) / response.speed
     off, end = (profile.x[3] + lag.max()) / response.speed, float(response.time[-1])
     return np.array(
         [
             load_range(response, gear, off, end) / load_range(response, gear, *on[:, gear])
-            for gear in range(arms.size)
+            for gear in range(lag.size)
         ]
     )

@@ -233,7 +233,7 @@ impl Plan {
             let place = Place::from("spacing");
             return Err(Error::OutOfRange { place, value: self.spacing, why: "1e-100 to 1e100 is allowed" });
         }
-        let why = "one for all runs, or one a run";
+        let why = "one for all runs, or one per run";
         for (argument, found) in [("modes", self.modes.len()), ("speed", self.speed.len())] {
             if found != 1 && found != runs {
                 return Err(Error::WrongLength { argument, found, expected: runs, why });
@@ -258,7 +258,7 @@ impl Plan {
             return Err(Error::TooShort { argument: "elevations", found: 0, least: 1 });
         }
         if self.tracks != 1 && self.tracks != gears {
-            let why = "tracks: one for all gears, or one a gear";
+            let why = "tracks: one for all gears, or one per gear";
             return Err(Error::WrongLength {
                 argument: "elevations[0]",
                 found: self.tracks,

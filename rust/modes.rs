@@ -104,7 +104,7 @@ impl Modes {
                 argument: "shapes",
                 found: shapes.len(),
                 expected: omega.len(),
-                why: "one column a mode",
+                why: "one column per mode",
             });
         }
         check_orthonormal(&aircraft, &shapes)?;
@@ -283,7 +283,7 @@ fn check_ratios(ratios: &[f64], modes: usize) -> Result<Vec<f64>> {
             argument: "damping_ratio",
             found: ratios.len(),
             expected: modes,
-            why: "one a mode",
+            why: "one per mode",
         });
     }
     ratios.iter().enumerate().map(|(i, &z)| check_ratio(Place::at("damping_ratio", i), z)).collect()

@@ -394,9 +394,9 @@ type Sweeps<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray3<f64>>);
 #[pymethods]
 impl Course {
     #[new]
-    fn new(modes: &Modes, profiles: Vec<Py<Profile>>, damping_input: bool) -> Self {
+    fn new(modes: &Modes, profiles: Vec<Py<Profile>>, damping_input: bool) -> PyResult<Self> {
         let profiles = profiles.iter().map(|profile| Arc::clone(&profile.get().0)).collect();
-        Self(sweep::Course { modes: Arc::clone(&modes.0), profiles, damping_input })
+        Ok(Self(sweep::Course::new(Arc::clone(&modes.0), profiles, damping_input)?))
     }
 
     /// Loads: max, time of max, min, time of min; a row a speed, a column a gear. Accelerations:
@@ -410,7 +410,7 @@ impl Course {
         let speeds = speeds.as_slice()?;
         let quantities = [Quantity::Load, Quantity::Acceleration(points(&stations))];
         let found = detached(py, |pulse| self.0.sweep(speeds, &quantities, pulse))?;
-        let gears = self.0.modes.aircraft().gears().len();
+        let gears = self.0.modes().aircraft().gears().len();
         let part = |e: &Extreme, part| [e.max, e.time_of_max, e.min, e.time_of_min][part];
         let loads = Array3::from_shape_fn((4, speeds.len(), gears), |(p, s, g)| part(&found[s][g], p));
         let pair = |e: &Extreme, part| <[f64; 2]>::from(e.magnitude())[part];

@@ -42,6 +42,16 @@ pub(crate) fn check_speed(place: Place, speed: f64) -> Result<f64> {
     Ok(speed)
 }
 
+/// Refuses a wrong number of profiles.
+pub(crate) fn check_tracks(modes: &Modes, profiles: &[Arc<Profile>]) -> Result<()> {
+    let (found, expected) = (profiles.len(), modes.aircraft().gears().len());
+    if found != expected {
+        let why = "one profile per gear";
+        return Err(Error::WrongLength { argument: "tracks", found, expected, why });
+    }
+    Ok(())
+}
+
 /// The default time points of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
@@ -84,14 +94,7 @@ impl Run {
         check_speed("speed".into(), speed)?;
         let aircraft = modes.aircraft();
         let gears = aircraft.gears();
-        if profiles.len() != gears.len() {
-            return Err(Error::WrongLength {
-                argument: "tracks",
-                found: profiles.len(),
-                expected: gears.len(),
-                why: "one profile a gear",
-            });
-        }
+        check_tracks(&modes, profiles)?;
         // Without dampers there is nothing to take part.
         let damping_input = damping_input && gears.iter().any(|gear| gear.damping > 0.0);
         let omega = modes.omega();

@@ -76,7 +76,7 @@ impl Spectrum {
             return Err(Error::TooShort { argument: "n", found: n.len(), least: 2 });
         }
         if density.len() != n.len() {
-            let why = "one a frequency";
+            let why = "one per frequency";
             return Err(Error::WrongLength { argument: "psd", found: density.len(), expected: n.len(), why });
         }
         for i in 0..n.len() {

@@ -8,21 +8,35 @@ use crate::modes::Modes;
 use crate::parallel;
 use crate::profile::Profile;
 use crate::readout::Quantity;
-use crate::run::{Run, check_speed};
+use crate::run::{Run, check_speed, check_tracks};
 use crate::watch::Pulse;
 
 /// All of a run but its speed.
 #[derive(Clone, Debug)]
 pub struct Course {
-    /// The modes.
-    pub modes: Arc<Modes>,
-    /// One profile a gear, in the aircraft's order.
-    pub profiles: Vec<Arc<Profile>>,
-    /// Whether the gears' dampers take part in the ground input and the loads.
-    pub damping_input: bool,
+    pub(crate) modes: Arc<Modes>,
+    /// One a gear.
+    pub(crate) profiles: Vec<Arc<Profile>>,
+    pub(crate) damping_input: bool,
 }
 
 impl Course {
+    /// `profiles` holds one profile a gear, in the aircraft's order; with `damping_input` the gears'
+    /// dampers take part in the ground input and the loads.
+    ///
+    /// # Errors
+    /// A wrong number of profiles.
+    pub fn new(modes: Arc<Modes>, profiles: Vec<Arc<Profile>>, damping_input: bool) -> Result<Self> {
+        check_tracks(&modes, &profiles)?;
+        Ok(Self { modes, profiles, damping_input })
+    }
+
+    /// The modes.
+    #[must_use]
+    pub fn modes(&self) -> &Arc<Modes> {
+        &self.modes
+    }
+
     /// The run at a speed.
     pub(crate) fn at(&self, speed: f64) -> Result<Run> {
         Run::new(Arc::clone(&self.modes), &self.profiles, speed, self.damping_input)

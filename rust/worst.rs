@@ -230,7 +230,7 @@ impl Course {
     /// The worst speed of a range; the same numbers on any number of threads.
     ///
     /// # Errors
-    /// A range out of order, a tolerance that is not positive or asks for too many runs, an
+    /// A gear that is not there, a range out of order, a tolerance that is not positive or asks for too many runs, an
     /// overflow, or what `pulse` gives.
     pub fn worst(&self, target: Target, range: SpeedRange, pulse: Pulse) -> Result<Worst> {
         let SpeedRange { low, high, tolerance, most_runs } = range;
@@ -238,8 +238,14 @@ impl Course {
         check_speed(Place::at("speeds", 1), high)?;
         not_negative("speeds[1] - speeds[0]", high - low)?;
         positive("tolerance", tolerance)?;
+        let (index, count) = target.index(self.modes.aircraft().gears().len());
+        if index >= count {
+            let why = "there are not so many gears";
+            return Err(Error::OutOfRange { place: "target".into(), value: index as f64, why });
+        }
         let sensitivity = Sensitivity::new(target, self);
-        let mut search = SpeedSearch { course: self, target, sensitivity, worst: None, runs: 0 };
+        let worst = (low, f64::NEG_INFINITY);
+        let mut search = SpeedSearch { course: self, target, sensitivity, worst, runs: 0 };
         let half = 0.5 * (high - low) / CELLS as f64;
         // The ends count too: the worst speed is often one of them.
         let mut live = search.cells(&[low, high], 0.0, pulse)?;
@@ -250,13 +256,12 @@ impl Course {
         // What the cells given up may hold.
         let mut bound = f64::NEG_INFINITY;
         loop {
-            let worst = search.worst.as_ref().map_or(f64::NEG_INFINITY, |(_, badness)| *badness);
+            let (speed, worst) = search.worst;
             live.retain(|cell| {
                 let open = cell.bound > worst + tolerance;
                 bound = if open { bound } else { bound.max(cell.bound) };
                 open
             });
-            let speed = search.worst.map_or(low, |(speed, _)| speed);
             let sign = target.sign();
             let widest = live.iter().fold(bound, |most, cell| most.max(cell.bound)).max(worst);
             let worst = Worst { speed, value: sign * worst, bound: sign * widest, runs: search.runs };
@@ -277,7 +282,7 @@ struct SpeedSearch<'a> {
     target: Target,
     sensitivity: Sensitivity,
     /// Speed and badness of the worst run so far.
-    worst: Option<(f64, f64)>,
+    worst: (f64, f64),
     runs: usize,
 }
 
@@ -289,8 +294,8 @@ impl SpeedSearch<'_> {
             parallel::map(middles, pulse, |&speed, pulse| Trial::new(&course.at(speed)?, target, pulse))?;
         self.runs += trials.len();
         for trial in &trials {
-            if self.worst.is_none_or(|(_, badness)| trial.badness > badness) {
-                self.worst = Some((trial.speed, trial.badness));
+            if trial.badness > self.worst.1 {
+                self.worst = (trial.speed, trial.badness);
             }
         }
         Ok(trials.into_iter().map(|trial| self.cell(trial, half)).collect())
@@ -330,7 +335,7 @@ mod tests {
         let aircraft = Arc::new(Aircraft::new(inertia, gears).unwrap());
         let modes = Arc::new(Modes::natural(aircraft, Some(&[zeta])).unwrap());
         let profile = Arc::new(profile);
-        Course { modes, profiles: vec![profile; 3], damping_input }
+        Course::new(modes, vec![profile; 3], damping_input).unwrap()
     }
 
     #[test]

@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use runway_modal::aircraft::{Aircraft, Gear, Inertia};
 use runway_modal::error::Result;
+use runway_modal::sweep::Course;
+use runway_modal::worst::{SpeedRange, Target};
 use runway_modal::{modes::Modes, profile::Profile, run::Run};
 
 fn inertia() -> Inertia {
@@ -79,4 +81,13 @@ fn runs_and_times() {
     refused(run.check_times(&[]), &["times", "0"]);
     refused(run.check_times(&[0.0, 3.0, 2.5]), &["times[2] = 2.5", "3.0"]);
     refused(run.grid(Some(-2.0)), &["duration = -2.0"]);
+}
+
+#[test]
+fn courses() {
+    let level = || Arc::new(Profile::level());
+    refused(Course::new(modes(), vec![level(), level()], false), &["tracks has 2", "1 expected"]);
+    let course = Course::new(modes(), vec![level()], false).unwrap();
+    let range = SpeedRange { low: 1.0, high: 2.0, tolerance: 0.1, most_runs: 1000 };
+    refused(course.worst(Target::MaxLoad(1), range, &mut || Ok(())), &["target = 1", "so many gears"]);
 }

@@ -258,7 +258,7 @@ def test_lag_beyond_the_runway():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"elevations": np.zeros((2, 2, 5))}, "one for all gears, or one a gear"),
+        ({"elevations": np.zeros((2, 2, 5))}, "one for all gears, or one per gear"),
         ({"elevations": np.zeros((2, 5))}, r"elevations has shape \(2, 5\)"),
         ({"elevations": np.zeros((0, 1, 5))}, r"elevations has shape \(0, 1, 5\)"),
         ({"elevations": [[["a"]]]}, "elevations holds"),

@@ -38,12 +38,14 @@ def run(path: Path, asked: Mapping[str, str | None]) -> None:
     output = Output.of(case, asked)
     with span.place.located():
         found = sweep(case.modes, tracks, span.speeds(), damping_input=case.damping_input)
-    proven = list(_proven(case, tracks, span))
-    output.say([*_summary(case, found), *proven])
+    output.say(_summary(case, found))
     output.write(
         table_writers(lambda: [tables_sweep.quantities(found)], case.units)
         | figure_writer(lambda: loads_and_accelerations(found, case.title, units=case.units))
     )
+    # Last, line by line: it may take long or come to nothing.
+    for line in _proven(case, tracks, span):
+        output.say([line])
 
 
 def _knots(case: Case, speeds: NDArray[np.float64]) -> NDArray[np.float64]:

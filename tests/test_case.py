@@ -139,7 +139,7 @@ def test_crater_repair(tmp_path: Path) -> None:
     np.testing.assert_allclose(case.tracks["left"].x / 0.0254, expected.x, rtol=1e-14)
     np.testing.assert_allclose(case.tracks["left"].z / 0.0254, expected.z, rtol=1e-14)
     assert case.notes == (
-        "track[0]: ramp = 12 in",
+        "track[0]: ramp = 12 in, the default",
         "track[0]: the arrangement of its slopes",
     )
 
@@ -170,7 +170,9 @@ def test_nonlinear_aircraft_is_the_same_in_any_units(tmp_path: Path) -> None:
 
 def test_inferred_defaults_are_said(tmp_path: Path) -> None:
     shape = '[[track]]\nshape = "two_foot_spall"\nramp = 2\n'
-    assert read(tmp_path, INCHES + F4E + shape + RUN).notes == ("track[0]: depth = 1.5 in",)
+    assert read(tmp_path, INCHES + F4E + shape + RUN).notes == (
+        "track[0]: depth = 1.5 in, the default",
+    )
 
 
 def test_lengths_in_inches_reach_the_reports_shapes_unrounded(tmp_path: Path) -> None:

@@ -91,10 +91,10 @@ def test_tracks_and_random_runways_in_one_file_or_alone(tmp_path: Path) -> None:
     assert replay.notes == ()
     assert replay.tracks["nose"] == replay.tracks["left"]
     alone = read(tmp_path, head + track + RUN)
-    with pytest.raises(rm.InputError, match=r"case\.toml: monte_carlo is missing"):
+    with pytest.raises(rm.InputError, match=r"case\.toml: \[monte_carlo\] is missing"):
         alone.over_random_runway(3)
     random = read(tmp_path, head + CLASS_A + RUNS + RUN)
-    with pytest.raises(rm.InputError, match=r"case\.toml: track is missing"):
+    with pytest.raises(rm.InputError, match=r"case\.toml: \[\[track\]\] is missing"):
         random.run()
 
 

@@ -74,7 +74,35 @@ def test_dampers_that_do_not_feel_the_ground_are_said(
         "utf-8",
     )
     assert main(["run", str(case)]) == 0
-    assert ("not the ground's" in capsys.readouterr().out) == said
+    assert ("do not feel the ground's" in capsys.readouterr().out) == said
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("mass = 145.5", "mass = 0.01", "NOTE: modes of 225 to 2"),
+        (
+            "damping_ratio = 0.1",
+            "damping_ratio = 5",
+            "a damping ratio of 5 is beyond critical",
+        ),
+        ("damping_input = true", "damping_input = false", "NOTE: damping ratios up to 0.1 act on"),
+        ("", "", "NOTE: damping_input has no effect: no gear has a damping of its own"),
+        ("damping_ratio = 0.1", "damping_ratio = 0.01", "has no effect"),
+    ],
+)
+def test_slips_are_said(
+    case: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, said: str
+) -> None:
+    text = (
+        '[units]\nlength = "in"\nforce = "lbf"\n[aircraft]\nmass = 145.5\npitch_inertia = 1.92e6\n'
+        "roll_inertia = 6.56e5\ndamping_ratio = 0.1\n[[aircraft.gears]]\nname = 'leg'\n"
+        "x = 0\ny = 0\nstiffness = 2e4\n[[track]]\nshape = 'full_mat'\n[run]\nspeeds = ['20 kt']\n"
+        "damping_input = true\n"
+    )
+    case.write_text(text.replace(old, new), "utf-8")
+    assert main(["run", str(case)]) == 0
+    assert said in capsys.readouterr().out
 
 
 def test_a_grade_is_said_and_taken_out(case: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -82,6 +82,14 @@ def test_prints_what_the_library_says(case: Path, capsys: pytest.CaptureFixture[
         assert worst.bound <= row[2] < worst.bound + 0.1
 
 
+def test_a_sweep_needs_no_other_speeds(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case.write_text(CASE[: CASE.index("[run]")], "utf-8")
+    assert main(["sweep", str(case)]) == 0
+    assert "17 speeds" in capsys.readouterr().out
+    assert main(["run", str(case)]) == 2
+    assert "run is missing" in capsys.readouterr().err
+
+
 def test_without_a_tolerance_nothing_is_proven(
     case: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -192,8 +200,8 @@ def test_both_ends_are_among_the_speeds(
             "damping_ratio = 0.01\nnonlinear = true",
             "a sweep needs the linear model",
         ),
-        ('[[track]]\nshape = "full_mat"\n', "", "track is missing"),
-        (CASE[CASE.index("[sweep]") : CASE.index("[run]")], "", "sweep is missing"),
+        ('[[track]]\nshape = "full_mat"\n', "", "[[track]] is missing"),
+        (CASE[CASE.index("[sweep]") : CASE.index("[run]")], "", "[sweep] is missing"),
     ],
 )
 def test_faults_name_their_place(

@@ -1,5 +1,6 @@
 """Figures show the response's own numbers in the units they name."""
 
+import io
 import sys
 
 import numpy as np
@@ -170,6 +171,24 @@ def test_runs_on_one_axes_are_all_in_sight() -> None:
     alone = Figure().subplots()
     rm.simulate(modes, mat, rm.knots(60.0)).plot(["left"], ax=alone)
     assert high - low < 1.5 * np.ptp(alone.get_ylim())
+
+
+def test_the_legend_of_elevations_stays_inside() -> None:
+    names = [f"{side} {where} gear" for where in ("wing", "body") for side in ("left", "right")]
+    gears = [rm.Gear("nose gear", 234.9, 0.0, 1502.0)]
+    gears += [
+        rm.Gear(name, -44.35 - 9.0 * (i // 2), (-1) ** i * 100.0, 4500.0)
+        for i, name in enumerate(names)
+    ]
+    aircraft = rm.Aircraft(mass=145.5, pitch_inertia=1.92e6, roll_inertia=6.56e5, gears=gears)
+    run = rm.simulate(aircraft.modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+    figure = loads_over_profile({"run": run}, {name: name for name in aircraft.gear_names})
+    figure.savefig(io.BytesIO())  # lays it out
+    ground = figure.axes[-1]
+    inside, legend = ground.get_window_extent(), ground.get_legend().get_window_extent()
+    assert inside.x0 < legend.x0
+    assert legend.x1 < inside.x1
+    assert inside.width > 0.8 * figure.bbox.width
 
 
 def test_sweeps_on_one_axes_differ() -> None:

@@ -202,6 +202,12 @@ def test_a_file_that_is_missing_among_others_is_named(tmp_path, modes, surface, 
     assert stored.read(tmp_path).run.tolist() == list(range(16))
 
 
+def test_directories_inside_are_named(tmp_path, modes, surface):
+    stored.monte_carlo(tmp_path / "60 kt", modes, surface, **RUNWAY, runs=3)
+    with pytest.raises(rm.InputError, match="holds no runs; directories in it do: 60 kt"):
+        stored.read(tmp_path)
+
+
 def test_missing_arguments_are_named_as_by_any_function(tmp_path, modes, surface):
     with pytest.raises(TypeError, match="missing keyword argument: 'runs'"):
         stored.monte_carlo(tmp_path / "new", modes, surface, **RUNWAY)

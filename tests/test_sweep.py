@@ -266,7 +266,7 @@ def test_other_bad_input() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"speeds": (300.0,)}, "speeds has 1 entries"),
+        ({"speeds": (300.0,)}, r"speeds has shape \(1,\)"),
         ({"speeds": (300.0, 200.0)}, r"speeds = \(300.0, 200.0\): the lowest comes first"),
         ({"speeds": (0.0, 200.0)}, r"speeds\[0\] = 0.0 is not positive"),
         ({"speeds": (300.0, np.inf)}, r"speeds\[1\] = inf is not finite"),

@@ -121,12 +121,18 @@ def mark_limits(ax: Axes, *signs: float) -> None:
         ax.axhline(level, color="0.2", lw=0.9, ls="--", label="" if i else LIMIT)
 
 
+def columns_that_fit(ax: Axes, labels: Sequence[str]) -> int:
+    """Columns of a small legend in the width of the axes, at most four."""
+    # In characters of this size, fourteen per inch; the sample of a line takes six.
+    room = 14.0 * ax.get_window_extent().width / ax.figure.dpi
+    widest = max(len(line) for label in labels for line in label.split("\n"))
+    return max(1, min(4, len(labels), int(room / (6 + widest))))
+
+
 def legend_above(ax: Axes) -> None:
     """Put the legend above the curves, in as many columns as fit, at most four."""
     labels = ax.get_legend_handles_labels()[1]
-    # In characters of this size, fourteen per inch; the sample of a line takes six.
-    room = 14.0 * ax.get_window_extent().width / ax.figure.dpi
-    across = max(1, min(4, len(labels), int(room / (6 + max(map(len, labels))))))
+    across = columns_that_fit(ax, labels)
     rows = -(-len(labels) // across)
     # From everything drawn: an earlier call has set limits for fewer curves.
     ax.autoscale(axis="y")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 import re
 from collections.abc import Mapping
@@ -75,11 +76,18 @@ def find(
                 return found[0]
             if found:
                 raise fault(path, line, f"columns {found} are all called {column!r}")
-        listed = dict.fromkeys(name for name in (*names, *others) if name)
-        there = ", ".join(map(repr, listed)) or "no names"
-        raise fault(path, line, f"no column is called {column!r}; there are {there}")
+        known = [name for name in dict.fromkeys((*names, *others)) if name]
+        # A heading without its unit need not be told again.
+        longer = [name for name in known if any(n != name and n.startswith(name) for n in known)]
+        there = ", ".join(repr(name) for name in known if name not in longer) or "no names"
+        near = difflib.get_close_matches(column, known, 1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        if any("\udc80" <= c <= "\udcff" for name in names for c in name):
+            hint += "; the file is not in UTF-8: save it so, or give columns by number"
+        raise fault(path, line, f"no column is called {column!r}; there are {there}{hint}")
     if isinstance(column, bool) or not isinstance(column, int | np.integer):
-        raise InputError(f"column {column!r} is neither a name nor a whole number")
+        why = "several are given as a mapping from tracks to columns"
+        raise InputError(f"column {column!r} is neither a name nor a whole number; {why}")
     if not 0 <= column < len(names):
         raise fault(path, line, f"no column {column}; there are {len(names)}, counted from 0")
     return int(column)
@@ -96,7 +104,7 @@ def unit_of(path: FilePath, line: int, what: str, in_file: str, stated: str | No
         return unit
     if stated is None:
         said = f"unknown unit {in_file!r}" if in_file else "no unit"
-        raise fault(path, line, f"{said} for {what}: give it as unit")
+        raise fault(path, line, f"{said} for {what}: give it as unit, or choose another column")
     return stated
 
 
@@ -127,7 +135,8 @@ def numbers(
     for line, cell, text in zip(lines, cells, texts, strict=True):
         said = repr(cell.strip()) if cell.strip() else "an empty cell"
         if not is_number(text):
-            hint = ", or decimal = ','" if decimal == "." and "," in cell else ""
+            comma = decimal == "." and is_number(cell, ",")
+            hint = "; numbers with a decimal comma need decimal = ','" if comma else ""
             raise fault(path, line, f"{what}: {said} is not a number{hint}")
         if not math.isfinite(float(text)):
             raise fault(path, line, f"{what}: {said} is not finite")

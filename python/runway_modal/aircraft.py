@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-#: Standard gravity, 9.80665 m/s², in inches [in/s²].
+#: Standard gravity, 9.80665 m/s², to seven digits [in/s²].
 GRAVITY_IN = 386.0886
 
 
@@ -137,7 +137,8 @@ class Aircraft:
     gears : sequence of Gear
         The gears. Their order is the order of all results.
     gravity : float
-        Gravity, ≥ 0 [length/time²]. Default: 9.80665 m/s² in inches.
+        Gravity, ≥ 0 [length/time²]. Default: 386.0886 in/s²;
+        give it in any other system.
     stations : mapping of str to (float, float), optional
         Points (x, y) where accelerations are wanted [length]; "cg" is always there.
 
@@ -168,6 +169,17 @@ class Aircraft:
     ... )
     >>> airliner.static_load.round(-2)
     array([ 59300., 284200., 284200.])
+
+    Its dampers are strong, so the ground must act on them, too:
+
+    >>> modes, ramp, speed = airliner.modes(), rm.Profile([0, 2], [0, 0.04]), rm.knots(60, "m")
+    >>> modes.damping_ratio.round(2)
+    array([0.09, 0.12, 0.17])
+    >>> for damping_input in (False, True):
+    ...     found = rm.simulate(modes, ramp, speed, damping_input=damping_input).extremes()
+    ...     print(found.max_load.round(-2))
+    [ 91800. 376700. 376700.]
+    [ 93400. 412200. 412200.]
     """
 
     mass: float
@@ -331,9 +343,9 @@ def _stations(stations: Mapping[str, tuple[float, float]]) -> dict[str, tuple[fl
     points = {"cg": (0.0, 0.0)}
     for name, point in stations.items():
         key = f"stations[{name!r}]"
-        arms = array(key, point)
+        arms = array(key, point, ndim=None)
         if arms.shape != (2,):
-            raise InputError(f"{key} has {arms.size} coordinates, (x, y) expected")
+            raise InputError(f"{key} has shape {arms.shape}, (x, y) expected")
         if not (abs(arms) <= 1e100).all():
             raise InputError(f"{key} = {tuple(arms.tolist())} is not finite and within 1e100")
         if name == "cg" and arms.any():
@@ -408,7 +420,8 @@ def single_dof(
     damping_ratio : float
         Damping ratio ζ, ≥ 0 [-].
     gravity : float
-        Gravity, ≥ 0 [length/time²]. Default: 9.80665 m/s² in inches.
+        Gravity, ≥ 0 [length/time²]. Default: 386.0886 in/s²;
+        give it in any other system.
 
     Returns
     -------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
 def check_modes(argument: str, value: object) -> None:
     """Refuse anything but a `Modes`; an aircraft is the likely mistake."""
     if not isinstance(value, Modes):
-        raise InputError(f"{argument} = {value!r} is not a Modes; see Aircraft.modes")
+        shown = reprlib.repr(value)  # that of an aircraft is long
+        raise InputError(f"{argument} = {shown} is not a Modes; see Aircraft.modes")
 
 
 class Modes:

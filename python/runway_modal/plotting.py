@@ -12,6 +12,7 @@ from ._axes import (
     DASHES,
     STATIC,
     axis_label,
+    columns_that_fit,
     in_g,
     legend_above,
     line_style,
@@ -231,12 +232,18 @@ def _draw_elevations(
             ax.plot(at, elevation, color=color, marker=marker(at), ls=dashes, lw=1.1)
             keys[f"under the {', '.join(words)}", dashes] = None
             drawn.append(elevation)
-    handles = [Line2D([], [], color="k", ls=ls, lw=1.1, label=under) for under, ls in keys]
+    labels = [fill(under, 60) for under, _ in keys]
+    handles = [
+        Line2D([], [], color="k", ls=style, lw=1.1, label=label)
+        for label, (_, style) in zip(labels, keys, strict=True)
+    ]
+    across = columns_that_fit(ax, labels)
+    rows = -(-sum(label.count("\n") + 1 for label in labels) // across)
     low, high = min(0.0, *map(np.min, drawn)), max(0.0, *map(np.max, drawn))
     height = high - low or 1.0
-    ax.set_ylim(low - 0.15 * height, high + 0.9 * height)
+    ax.set_ylim(low - 0.15 * height, high + (0.3 + 0.6 * rows) * height)
     ax.set_ylabel(axis_label("elevation", LENGTH, units))
-    ax.legend(handles=handles, loc="upper right", ncols=3, frameon=False, fontsize="small")
+    ax.legend(handles=handles, loc="upper right", ncols=across, frameon=False, fontsize="small")
     ax.grid(alpha=0.25)
 
 

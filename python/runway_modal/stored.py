@@ -150,7 +150,9 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
     folder = Path(directory)
     files = sorted(folder.glob("runs-*.parquet"))
     if not files:
-        raise InputError(f"directory = {os.fspath(directory)!r} holds no runs")
+        inside = ", ".join(sorted(file.parent.name for file in folder.glob(f"*/{_SETUP}")))
+        hint = f"; directories in it do: {inside}" if inside else ""
+        raise InputError(f"directory = {os.fspath(directory)!r} holds no runs{hint}")
     about = json.loads((folder / _SETUP).read_text())
     last = None if runs is None else about["first_run"] + integer("runs", runs, 1) - 1
     parts = (_read(file, about["setup"], last) for file in files)

@@ -492,9 +492,9 @@ def _course(
 
 
 def _limits(speeds: Sequence[float]) -> tuple[float, float]:
-    limits = array("speeds", speeds)
+    limits = array("speeds", speeds, ndim=None)
     if limits.shape != (2,):
-        raise InputError(f"speeds has {limits.size} entries, (lowest, highest) expected")
+        raise InputError(f"speeds has shape {limits.shape}, (lowest, highest) expected")
     low, high = limits.tolist()
     if low > high:
         raise InputError(f"speeds = ({low!r}, {high!r}): the lowest comes first")

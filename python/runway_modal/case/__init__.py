@@ -82,7 +82,7 @@ class Case:
     def random_runways(self) -> RandomRunways:
         """Random runways; an error if the file has none."""
         if self.random is None:
-            raise self.root.fault("monte_carlo is missing")
+            raise self.root.fault("[monte_carlo] is missing")
         return self.random
 
     def need_linear(self, what: str) -> None:
@@ -94,13 +94,13 @@ class Case:
     def speed_range(self) -> SpeedRange:
         """Speeds of a sweep; an error if the file has none."""
         if self.sweep is None:
-            raise self.root.fault("sweep is missing")
+            raise self.root.fault("[sweep] is missing")
         return self.sweep
 
     def given_tracks(self) -> Mapping[str, Profile]:
         """Tracks; an error if the file has none."""
         if self.tracks is None:
-            raise self.root.fault("track is missing")
+            raise self.root.fault("[[track]] is missing")
         return self.tracks
 
     def over_random_runway(self, run: int) -> Case:
@@ -170,7 +170,8 @@ def read_case(path: Path) -> Case:
     if {"roughness", "monte_carlo"} & root.values.keys():
         random = read_random_runways(root, units)
     span = read_speed_range(root.table("sweep"), units) if "sweep" in root.values else None
-    run = root.table("run")
+    # A sweep has speeds of its own.
+    run = root.table("run", {}) if span else root.table("run")
     run.only("speeds", "duration", "damping_input")
     if reference is not None and "damping_input" in run.values:
         raise run.fault("damping_input: a nonlinear run always includes it", "damping_input")
@@ -187,7 +188,7 @@ def read_case(path: Path) -> Case:
         tracks=tracks,
         sweep=span,
         random=random,
-        speeds=_speeds(run, units),
+        speeds=_speeds(run, units) if "run" in root.values else {},
         duration=run.quantity("duration", TIME, units, None),
         damping_input=run.flag("damping_input"),
         output={kind: path.parent / output.text(kind) for kind in output.values},

@@ -149,7 +149,7 @@ def _shape(table: Table, units: Units, notes: list[str]) -> Profile:
         else:
             given[key] = parameter.default * REPORT.factor(native, LENGTH)
             if key in _INFERRED_DEFAULTS.get(name, ()):
-                notes.append(f"{table.where()}: {key} = {parameter.default:g} in")
+                notes.append(f"{table.where()}: {key} = {parameter.default:g} in, the default")
     if name in _INFERRED:
         notes.append(f"{table.where()}: {_INFERRED[name]}")
     with table.located():

@@ -17,7 +17,7 @@ from runway_modal.plotting_ensemble import histograms_and_exceedances
 from runway_modal.roughness import monte_carlo
 from runway_modal.units import FORCE
 
-from .notes import ignored, on_dampers
+from .notes import ignored, on_dampers, on_modes
 from .output import Output, figure_writer, table_writers
 from .progress import progress_bar
 from .text import heading, modes_table, stated_speed, unloading
@@ -114,6 +114,7 @@ def _summary(
 ) -> Iterator[str]:
     length = case.units.length
     yield from heading(case, _title(case))
+    yield from on_modes(case)
     yield from on_dampers(case, {})
     low, high = random.roughness.band
     yield (

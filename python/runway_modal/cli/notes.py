@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 #: Damping ratio beyond which it matters whether the ground acts on the dampers.
 _DAMPED = 0.03
 
+#: Frequencies of rigid aircraft on their gears lie between these [Hz].
+_SLOW, _FAST = 0.1, 20.0
+
 #: Grade from end to end beyond which the kinks at both ends matter.
 _GRADE = 1e-3
 
@@ -24,6 +27,7 @@ def notes(case: Case) -> Iterator[str]:
     tracks = case.tracks or {}
     for note in case.notes:
         yield f"Inferred, not published: {note}"
+    yield from on_modes(case)
     if case.reference is None:
         yield from on_dampers(case, tracks)
     yield from _on_grades(case, tracks)
@@ -34,7 +38,7 @@ def ignored(case: Case, command: str, *keys: str) -> Iterator[str]:
     there = [
         key
         for key in keys
-        if (case.root.table("run").values if key == "duration" else case.root.values).get(key)
+        if (case.root.table("run", {}).values if key == "duration" else case.root.values).get(key)
     ]
     names = {"track": "[[track]]", "duration": "duration"}
     if there:
@@ -42,16 +46,42 @@ def ignored(case: Case, command: str, *keys: str) -> Iterator[str]:
         yield f"Not used by `runway-modal {command}`: {named}"
 
 
+def on_modes(case: Case) -> Iterator[str]:
+    """Tell where the modes suggest a slip in the units."""
+    slow, fast = case.modes.frequency_hz.min(), case.modes.frequency_hz.max()
+    if slow < _SLOW or fast > _FAST:
+        yield (
+            f"NOTE: modes of {slow:.3g} to {fast:.3g} Hz are unusual for an aircraft on its gears; "
+            "check the units of masses, inertias and stiffnesses"
+        )
+    most = case.modes.damping_ratio.max()
+    if most >= 1.0:
+        yield (
+            f"NOTE: a damping ratio of {most:.3g} is beyond critical: the aircraft does not swing "
+            "(5 % is 0.05)"
+        )
+
+
 def on_dampers(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:
     """Tell which effects of the dampers a linear run over these tracks leaves out."""
     damped = [gear.name for gear in case.modes.aircraft.gears if gear.damping]
+    most = case.modes.damping_ratio.max()
     if not damped:
+        if case.damping_input:
+            yield "NOTE: damping_input has no effect: no gear has a damping of its own"
+        elif most > _DAMPED:
+            yield (
+                f"NOTE: damping ratios up to {most:.2g} act on the aircraft's motion only; the "
+                "ground acts on dampers that gears have (damping under [[aircraft.gears]], and "
+                "damping_input = true under [run])"
+            )
         return
     if not case.damping_input:
-        if case.modes.damping_ratio.max() > _DAMPED:
+        if most > _DAMPED:
             yield (
-                "WARNING: the dampers feel the aircraft's motion but not the ground's, as in the "
-                "report; loads may be far too low (set damping_input = true under [run])"
+                f"WARNING: damping ratios up to {most:.2g}, but the dampers do not feel the "
+                "ground's motion, as in the 1980 report; loads may be far too low (set "
+                "damping_input = true under [run])"
             )
         return
     struck = [name for name in damped if name in tracks and (np.diff(tracks[name].x) == 0.0).any()]

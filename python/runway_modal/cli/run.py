@@ -130,7 +130,7 @@ def _figure(case: Case, runs: Runs) -> Figure:
     return loads_over_profile(
         runs,
         # The model of one degree of freedom has one gear, named "gear".
-        {name: name if name == "gear" else f"{name} gear" for name in gears},
+        {name: name if name.endswith("gear") else f"{name} gear" for name in gears},
         case.title,
         units=case.units,
         against="time" if len(runs) == 1 else "distance",

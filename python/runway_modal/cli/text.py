@@ -62,7 +62,7 @@ def loads_table(
     aircraft, width, digits = case.aircraft, name_width(case), load_digits(case)
     force, where = (
         f"[{case.units.force}]",
-        f"{f'at [{when}]':>11} {f'at [{case.units.length}]':>10}",
+        f"{f'at [{when}]':>11} {f'gear at [{case.units.length}]':>13}",
     )
     heads = f"{f'static {force}':>15} {f'largest {force}':>16}  ÷ static{where}"
     yield f"  {'gear':<{width}} {heads} {f'smallest {force}':>17}{where}"
@@ -70,8 +70,8 @@ def loads_table(
     for gear, static, high, high_at, high_where, low, low_at, low_where, remark in rows:
         yield (
             f"  {gear:<{width}} {static:15.{digits}f} {high:16.{digits}f} {share(high, static):>9}"
-            f" {high_at:10.4f} {high_where:10.2f} {low:17.{digits}f} {low_at:10.4f}"
-            f" {low_where:10.2f}  {remark}".rstrip()
+            f" {high_at:10.4f} {high_where:13.2f} {low:17.{digits}f} {low_at:10.4f}"
+            f" {low_where:13.2f}  {remark}".rstrip()
         )
 
 

@@ -143,7 +143,8 @@ class Aircraft:
     gears : sequence of Gear
         The gears. Their order is the order of all results.
     gravity : float
-        Gravity, > 0 [length/time²]. Default: 9.80665 m/s² in inches.
+        Gravity, > 0 [length/time²]. Default: 386.0886 in/s²;
+        give it in any other system.
     stations : mapping of str to (float, float), optional
         Points (x, y) where accelerations are wanted [length]; "cg" is always there.
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 import runway_modal as rm
 from runway_modal import plotting_ensemble, tables, tables_ensemble
+from runway_modal._axes import COLORS
 
 INCHES = rm.Units("in", "lbf")
 RUNWAY = {"length": 6000.0, "spacing": 12.0, "speed": rm.knots(60), "seed": 7, "first_run": 40}
@@ -41,11 +42,13 @@ def test_histogram_holds_all_runs_and_the_static_load() -> None:
         "largest load [kip]",
         "density of runs [1/kip]",
     )
-    static = {line.get_label(): line.get_xdata()[0] for line in axes.get_lines()}
-    assert static == {
-        "nose, static": ENSEMBLE.static_load[0, 0] / 1e3,
-        "left, static": ENSEMBLE.static_load[0, 1] / 1e3,
+    *static, named = axes.get_lines()
+    colors = {line.get_color(): line.get_xdata()[0] for line in static}
+    assert colors == {
+        COLORS[0]: ENSEMBLE.static_load[0, 0] / 1e3,
+        COLORS[1]: ENSEMBLE.static_load[0, 1] / 1e3,
     }
+    assert named.get_label() == "static"
     # Filled and outlined, gear by gear: an area of 1 from the smallest value to the largest.
     for i, column in ((0, 0), (2, 1)):
         corners = axes.patches[i].get_xy()
@@ -59,9 +62,13 @@ def test_histogram_holds_all_runs_and_the_static_load() -> None:
 
 def test_gears_of_one_static_load_share_its_line_and_mixed_aircraft_have_none() -> None:
     axes = ENSEMBLE.plot("min_load", ax=Figure().subplots())
-    labels = [line.get_label() for line in axes.get_lines()]
-    assert labels[:2] == ["nose, static", "left, right, static"]
-    assert axes.get_lines()[2].get_xdata()[0] == 0.0
+    nose, mains, _, zero = axes.get_lines()
+    assert [line.get_xdata()[0] for line in (nose, mains)] == ENSEMBLE.static_load[0, :2].tolist()
+    assert zero.get_xdata()[0] == 0.0
+    low, high = axes.get_ylim()
+    tallest = max(patch.get_xy()[:, 1].max() for patch in axes.patches)
+    assert low == 0.0
+    assert tallest < 0.9 * high  # room for the legend
     assert axes.get_xlabel() == "smallest load"
     heavier = rm.Aircraft(
         mass=150.0, pitch_inertia=1.92e6, roll_inertia=6.56e5, gears=rm.f4e().gears

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ._core import InputError
 from ._extras import need
@@ -112,6 +112,12 @@ def mark_static(ax: Axes, load: float, color: str, label: str = "") -> None:
     ax.axhline(load, color=color, lw=0.9, ls=STATIC_DASHES, label=label)
 
 
+def name_static(ax: Axes) -> None:
+    """Name lines of static loads, each in its gear's colour, last in the legend and in none."""
+    if STATIC not in ax.get_legend_handles_labels()[1]:
+        ax.plot([], [], color="0.35", lw=0.9, ls=STATIC_DASHES, label=STATIC)
+
+
 def mark_limits(ax: Axes, *signs: float) -> None:
     """Mark the acceleration beyond which a runway counts as rough, once, on an axis in g."""
     if LIMIT in ax.get_legend_handles_labels()[1]:
@@ -129,7 +135,7 @@ def columns_that_fit(ax: Axes, labels: Sequence[str]) -> int:
     return max(1, min(4, len(labels), int(room / (6 + widest))))
 
 
-def legend_above(ax: Axes) -> None:
+def legend_above(ax: Axes, *, crossed: bool = False) -> None:
     """Put the legend above the curves, in as many columns as fit, at most four."""
     labels = ax.get_legend_handles_labels()[1]
     across = columns_that_fit(ax, labels)
@@ -138,5 +144,9 @@ def legend_above(ax: Axes) -> None:
     ax.autoscale(axis="y")
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + (0.08 + 0.1 * rows) * (high - low))
-    ax.legend(loc="upper right", ncols=across, frameon=False, fontsize="small")
+    # On a ground of its own where vertical lines pass.
+    look: dict[str, Any] = (
+        {"framealpha": 0.9, "edgecolor": "none"} if crossed else {"frameon": False}
+    )
+    ax.legend(loc="upper right", ncols=across, fontsize="small", **look)
     ax.grid(alpha=0.25)

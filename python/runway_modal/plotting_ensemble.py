@@ -8,8 +8,10 @@ import numpy as np
 
 from ._axes import (
     STATIC_DASHES,
+    legend_above,
     line_style,
     load_unit,
+    name_static,
     nested_width,
     new_axes,
     require,
@@ -78,7 +80,7 @@ def histograms_and_exceedances(
     if not ensembles:
         raise InputError("ensembles is empty")
     figure = Figure(figsize=(10.0, 3.6 * len(ensembles) + 0.4), layout="constrained")
-    rows = figure.subplots(len(ensembles), 2, squeeze=False)
+    rows = figure.subplots(len(ensembles), 2, squeeze=False, sharex="row")
     for (label, ensemble), (left, right) in zip(ensembles.items(), rows, strict=True):
         ensemble.plot("max_load", ax=left, units=units)
         ensemble.plot_exceedance("max_load", ax=right, units=units)
@@ -115,8 +117,7 @@ def plot_histogram(
         ax.axvline(0.0, color="0.35", lw=0.9)
     ax.set_xlabel(with_unit(LABELS[quantity], unit))
     ax.set_ylabel(with_unit("density of runs", f"1/{unit}" if unit else ""))
-    ax.legend(framealpha=0.9, edgecolor="none", fontsize="small")
-    ax.grid(alpha=0.25)
+    legend_above(ax, crossed=True)
     return ax
 
 
@@ -127,13 +128,12 @@ def _mark_static(
     static = ensemble.static_load[0]
     if not (ensemble.static_load == static).all():
         return
-    gears: dict[float, list[int]] = {}
+    colors: dict[float, str] = {}
     for i, (_, column) in enumerate(columns):
-        gears.setdefault(float(static[column]), []).append(i)
-    for load, which in gears.items():
-        label = f"{', '.join(columns[i][0] for i in which)}, static"
-        color, _ = line_style(which[0])
-        ax.axvline(load / scale, color=color, lw=1.1, ls=STATIC_DASHES, label=label)
+        colors.setdefault(float(static[column]) / scale, line_style(i)[0])
+    for load, color in colors.items():
+        ax.axvline(load, color=color, lw=1.1, ls=STATIC_DASHES)
+    name_static(ax)
 
 
 def plot_exceedance(

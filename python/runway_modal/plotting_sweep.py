@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ._axes import (
-    STATIC,
-    STATIC_DASHES,
     in_g,
     legend_above,
     line_style,
@@ -17,6 +15,7 @@ from ._axes import (
     mark_limits,
     mark_static,
     marker,
+    name_static,
     nested_width,
     new_axes,
     require,
@@ -105,9 +104,7 @@ def plot_loads(
             ax.plot(speed, load, color, ls=dashes, lw=width, marker=marker(speed), label=label)
         ax.fill_between(speed, low, high, color=color, alpha=0.12, lw=0)
         mark_static(ax, sweep.static_load[column] / scale, color)
-    if STATIC not in ax.get_legend_handles_labels()[1]:
-        # Last in the legend, in no gear's colour.
-        ax.plot([], [], color="0.35", lw=0.9, ls=STATIC_DASHES, label=STATIC)
+    name_static(ax)
     ax.axhline(0.0, color="0.35", lw=0.9)
     ax.set_ylabel(with_unit("largest and smallest load", unit))
     legend_above(ax)

@@ -202,6 +202,10 @@ def test_every_shape_is_in_the_example() -> None:
         (INCHES + F4E + MAT, "run is missing"),
         (F4E + MAT + RUN, "units is missing"),
         (INCHES + FULL.replace('"18.024 kip/ft"', "-1") + MAT + RUN, "15: .*gears.0.: stiff"),
+        (
+            INCHES + FULL.replace('"left"', '"nose"') + MAT + RUN,
+            "17: aircraft.gears.1.: gears.1..name = 'nose' repeats",
+        ),
         (INCHES + F4E + MAT + 'gears = ["noze"]\n' + RUN, "did you mean 'nose'"),
         (INCHES + F4E + MAT + RUN + "damping_input = 1\n", "11: run: damping_input = 1 is not"),
         (INCHES + MAT + RUN, "exactly one of .aircraft. and .single_dof."),

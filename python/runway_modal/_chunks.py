@@ -64,7 +64,7 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> l
         raise InputError(f"roughness = {roughness!r} is not a Roughness")
     for key in ("length", "spacing", "speed", "runs", "seed"):
         if key not in options:
-            raise TypeError(f"missing keyword argument: {key!r}")
+            raise TypeError(f"monte_carlo() missing keyword argument: {key!r}")
     lateral_positions(modes, options.get("tracks", "one"))
     masks(options.get("on_error", "raise"))
     runs = integer("runs", options["runs"], 1)

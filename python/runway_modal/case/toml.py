@@ -71,6 +71,9 @@ class Table:
             raise
         except InputError as error:
             said = str(error)
+            one = re.match(r"(\w+)\[(\d+)\]\.(\w+)", said)
+            if one and one[1] in self.values:
+                raise self.tables(one[1])[int(one[2])].fault(said, one[3]) from None
             # The library's messages begin with the argument's name: the key, if none is given.
             named = re.match(r"\w+", said)
             if named and key:

@@ -35,13 +35,13 @@ def stated_speed(case: Case, name: str) -> str:
 def modes_table(case: Case) -> Iterator[str]:
     """Tabulate the modes."""
     modes = case.modes
-    node = f"node [{case.units.length}]"
-    yield f"  mode   frequency [Hz]   omega [rad/s]   damping ratio {node:>12}"
+    node = f"node at x [{case.units.length}]"
+    yield f"  mode   frequency [Hz]   omega [rad/s]   damping ratio {node:>14}"
     rows = zip(modes.frequency_hz, modes.omega, modes.damping_ratio, modes.node, strict=True)
     for i, (hertz, omega, ratio, node) in enumerate(rows, 1):
         # Roll leaves the whole centreline at rest, and pure bounce no point of it.
         where = f"{node:.2f}" if math.isfinite(node) else "-"
-        yield f"  {i:>4} {hertz:16.4f} {omega:15.4f} {ratio:15.4f} {where:>12}"
+        yield f"  {i:>4} {hertz:16.4f} {omega:15.4f} {ratio:15.4f} {where:>14}"
 
 
 def name_width(case: Case) -> int:

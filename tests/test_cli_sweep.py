@@ -71,15 +71,18 @@ def test_prints_what_the_library_says(case: Path, capsys: pytest.CaptureFixture[
     assert [float(text) for text in station[1:]] == pytest.approx(told, abs=1e-4)
     lost = knots[found.unloaded[:, 1]]
     assert f"left (at {lost.size} speeds, from {lost[0]:g} kt)" in printed
-    for g, row in enumerate(numbers(printed, "  gear +found")):
-        limits = rm.knots(20), rm.knots(60)
-        at = modes.aircraft.gear_names[g]
-        worst = rm.worst_speed(modes, mat, limits, at=at, tolerance=1000.0)
-        assert row == pytest.approx(
-            [worst.value, worst.speed / rm.knots(1), worst.bound, worst.runs], abs=0.1
-        )
-        # What is printed is proven: rounded up.
-        assert worst.bound <= row[2] < worst.bound + 0.1
+    limits = rm.knots(20), rm.knots(60)
+    for gear, row in zip(
+        modes.aircraft.gear_names,
+        numbers(printed, r"  gear +largest \[lbf\] +at \[kt\] +none"),
+        strict=True,
+    ):
+        for quantity, told, beyond in (("max_load", row[:4], 1), ("min_load", row[4:], -1)):
+            worst = rm.worst_speed(modes, mat, limits, quantity, at=gear, tolerance=1000.0)
+            expected = [worst.value, worst.speed / rm.knots(1), worst.bound, worst.runs]
+            assert told == pytest.approx(expected, abs=0.1)
+            # What is printed is proven: rounded outwards.
+            assert 0.0 <= beyond * (told[2] - worst.bound) < 0.1
 
 
 def test_a_sweep_needs_no_other_speeds(case: Path, capsys: pytest.CaptureFixture[str]) -> None:

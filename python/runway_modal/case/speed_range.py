@@ -30,7 +30,7 @@ class SpeedRange:
     low: float
     high: float
     step: float
-    #: How much larger a load between the steps may be than the largest one told, if that is asked.
+    #: How much worse a load at another speed may be than the worst one told, if that is asked.
     tolerance: float | None
     #: The table that error messages point to.
     place: Table

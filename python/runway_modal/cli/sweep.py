@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -101,25 +101,31 @@ def _proven(case: Case, tracks: Mapping[str, Profile], span: SpeedRange) -> Iter
     """Tell what no speed of the range exceeds, between the steps too."""
     if span.tolerance is None:
         return
-    width, digits, force = name_width(case), load_digits(case), case.units.force
-    yield ""
-    yield "Largest load at any speed of the range, proven"
-    bound = f"none above [{force}]"
-    yield f"  {'gear':<{width}} {f'found [{force}]':>15}    at [kt] {bound:>20}       runs"
-    for gear in case.aircraft.gear_names:
+    width, digits, force = name_width(case), load_digits(case), f"[{case.units.force}]"
+
+    def worst(gear: str, quantity: Literal["max_load", "min_load"]) -> str:
         with span.place.located():
-            worst = worst_speed(
+            found = worst_speed(
                 case.modes,
                 tracks,
                 (span.low, span.high),
+                quantity,
                 at=gear,
-                tolerance=span.tolerance,
+                tolerance=span.tolerance or 0.0,
                 damping_input=case.damping_input,
             )
-        (knots,) = _knots(case, np.array([worst.speed]))
-        # Rounded up: what is printed is proven, too.
-        bound = f"{math.ceil(worst.bound * 10**digits) / 10**digits:.{digits}f}"
-        yield (
-            f"  {gear:<{width}} {worst.value:15.{digits}f} {knots:10.4f} {bound:>20}"
-            f" {worst.runs:10d}"
-        )
+        (knots,) = _knots(case, np.array([found.speed]))
+        # Rounded outwards: what is printed is proven, too.
+        outwards = math.ceil if quantity == "max_load" else math.floor
+        bound = outwards(found.bound * 10**digits) / 10**digits
+        return f"{found.value:16.{digits}f} {knots:10.4f} {bound:17.{digits}f} {found.runs:8d}"
+
+    yield ""
+    yield "Largest and smallest load at any speed of the range, proven"
+    heads = (
+        f"{f'{what} {force}':>16}    at [kt] {f'none {beyond} {force}':>17}     runs"
+        for what, beyond in (("largest", "above"), ("smallest", "below"))
+    )
+    yield f"  {'gear':<{width}}{''.join(heads)}"
+    for gear in case.aircraft.gear_names:
+        yield f"  {gear:<{width}}{worst(gear, 'max_load')}{worst(gear, 'min_load')}"

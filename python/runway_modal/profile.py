@@ -111,6 +111,8 @@ class Profile:
         """
         Repair mat: up a ramp, level, down a ramp.
 
+        The defaults are in inches; with any other unit of length give both `height` and `ramp`.
+
         Parameters
         ----------
         length : float
@@ -168,7 +170,8 @@ class Profile:
         From level runway the heaved pavement rises in a straight line to the mat's edge, the mat's
         own ramp is the second up-ramp, and the mat sags in a straight line to its middle; the
         other half is the mirror image. Make other shapes as sums, `mat` + `spall`, or with
-        `Profile(x, z)`.
+        `Profile(x, z)`. The defaults are in inches; with any other unit of length give both
+        `height` and `ramp`.
 
         Parameters
         ----------

@@ -120,6 +120,21 @@ def test_linear_and_nonlinear_runs_in_one_figure() -> None:
     assert figure.axes[1].get_xlim() == (0.0, RESPONSE.time[-1])
 
 
+def test_accelerations_below_the_loads() -> None:
+    runs = {"linear": RESPONSE, "nonlinear": NONLINEAR}
+    figure = loads_over_profile(runs, {"left": "Main gear"}, units=INCHES, stations=["cg"])
+    loads, accelerations, ground = figure.axes
+    for i, run in enumerate(runs.values()):
+        load, acceleration = loads.lines[i], accelerations.lines[i]
+        assert load.get_color() == acceleration.get_color()
+        expected = run.acceleration["cg"] / INCHES.standard_gravity
+        np.testing.assert_array_equal(acceleration.get_ydata(), expected)
+    assert accelerations.get_ylabel() == "cg\nvertical acceleration [g]"
+    assert ground.get_xlabel() == "time [s]"
+    with pytest.raises(rm.InputError, match=r"stations\[1\] = 'pilot': no such station"):
+        loads_over_profile(runs, {"left": ""}, stations=["cg", "pilot"])
+
+
 def test_profile() -> None:
     axes = rm.Profile.full_mat().plot(ax=Figure().subplots(), units=INCHES)
     np.testing.assert_array_equal(axes.get_lines()[0].get_xdata(), [-93, 0, 12, 918, 930, 1023])

@@ -50,9 +50,10 @@ def loads_over_profile(
     *,
     units: Units | None = None,
     against: Against = "time",
+    stations: Sequence[str] = (),
 ) -> Figure:
     """
-    Draw gear loads over the profile that causes them.
+    Draw gear loads, and accelerations if wanted, over the profile that causes them.
 
     Parameters
     ----------
@@ -67,6 +68,9 @@ def loads_over_profile(
         Units of the responses, for the axis labels; loads in lbf and N are drawn in kip and kN.
     against : {"time", "distance"}
         Abscissa; use distance where the runs differ in speed.
+    stations : sequence of str
+        Stations whose vertical accelerations to show, one panel each, as in
+        `Response.plot_acceleration`.
 
     Returns
     -------
@@ -76,8 +80,8 @@ def loads_over_profile(
     Raises
     ------
     InputError
-        If a gear is unknown, there is no gear or no response, or another argument is of the wrong
-        kind.
+        If a gear or station is unknown, there is no gear or no response, or another argument is of
+        the wrong kind.
     ImportError
         If matplotlib is not installed.
 
@@ -99,12 +103,20 @@ def loads_over_profile(
         raise InputError("responses is empty")
     abscissa = _abscissa(against, units)
     columns = _columns(next(iter(responses.values())), gears)
-    heights = [3.0] * len(gears) + [1.2]
-    figure = Figure(figsize=(8.0, 2.6 * len(gears) + 1.8), layout="constrained")
-    *panels, ground = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
-    for panel, (label, column) in zip(panels, columns, strict=True):
-        _draw_loads(panel, [(name, run, column) for name, run in responses.items()], units, against)
+    for run in responses.values() if stations else ():
+        shown("stations", stations, tuple(run.acceleration), "station")
+    above = len(gears) + len(stations)
+    heights = [3.0] * above + [1.2]
+    figure = Figure(figsize=(8.0, 2.6 * above + 1.8), layout="constrained")
+    *panels, ground = figure.subplots(above + 1, 1, sharex=True, height_ratios=heights)
+    for panel, (label, column) in zip(panels[: len(gears)], columns, strict=True):
+        loads = [(name, run, column) for name, run in responses.items()]
+        _draw_loads(panel, loads, units, against)
         panel.set_ylabel(fill(f"{label} {panel.get_ylabel()}", 28))
+    for panel, station in zip(panels[len(gears) :], stations, strict=True):
+        accelerations = [(name, run, station) for name, run in responses.items()]
+        _draw_accelerations(panel, accelerations, units, against)
+        panel.set_ylabel(f"{station}\n{panel.get_ylabel()}")
     _draw_elevations(ground, responses, columns, units, against)
     ends = np.array([getattr(run, against)[[0, -1]] for run in responses.values()])
     if ends.min() < ends.max():
@@ -142,17 +154,9 @@ def plot_accelerations(
     """Draw what `Response.plot_acceleration` documents."""
     abscissa = _abscissa(against, units)
     wanted = shown("stations", stations, tuple(response.acceleration), "station")
-    gravity = in_g("response", response.aircraft, units)
     ax = ax or new_axes()
-    at = getattr(response, against)
-    for i, station in enumerate(wanted, lines_there(ax)):
-        color, dashes = line_style(i)
-        share = response.acceleration[station] / gravity
-        ax.plot(at, share, color, ls=dashes, lw=1.2, marker=marker(at), label=station)
-    mark_limits(ax, 1.0, -1.0)
+    _draw_accelerations(ax, [(station, response, station) for station in wanted], units, against)
     ax.set_xlabel(abscissa)
-    ax.set_ylabel("vertical acceleration [g]")
-    legend_above(ax)
     return ax
 
 
@@ -196,6 +200,20 @@ def _draw_loads(
     for i, level in enumerate(static):
         mark_static(ax, level, "0.35", "" if i or named else STATIC)
     ax.set_ylabel(with_unit("load", unit))
+    legend_above(ax)
+
+
+def _draw_accelerations(
+    ax: Axes, lines: Sequence[tuple[str, Results, str]], units: Units | None, against: Against
+) -> None:
+    """Draw accelerations in g by label, response and station, with the limits once."""
+    for i, (label, response, station) in enumerate(lines, lines_there(ax)):
+        color, dashes = line_style(i)
+        share = response.acceleration[station] / in_g("response", response.aircraft, units)
+        at = getattr(response, against)
+        ax.plot(at, share, color=color, ls=dashes, lw=1.2, marker=marker(at), label=label)
+    mark_limits(ax, 1.0, -1.0)
+    ax.set_ylabel("vertical acceleration [g]")
     legend_above(ax)
 
 

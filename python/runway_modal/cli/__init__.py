@@ -109,7 +109,10 @@ def _parser() -> argparse.ArgumentParser:
     of_run.add_argument("--json", metavar="PATH", help="results and time histories; - as for --csv")
     of_run.add_argument("--parquet", metavar="PATH", help="time histories (extra tables)")
     of_run.add_argument(
-        "--figure", metavar="PATH", help="gear loads over the profile, .png .pdf .svg (extra plot)"
+        "--figure",
+        metavar="PATH",
+        help="gear loads and accelerations at the case's stations over the profile, "
+        ".png .pdf .svg (extra plot)",
     )
     of_run.add_argument(
         "--runway",

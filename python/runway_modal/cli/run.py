@@ -134,6 +134,7 @@ def _figure(case: Case, runs: Runs) -> Figure:
         case.title,
         units=case.units,
         against="time" if len(runs) == 1 else "distance",
+        stations=[name for name in case.aircraft.stations if name != "cg"],
     )
 
 

@@ -109,6 +109,22 @@ def test_accelerations_are_drawn_in_g() -> None:
     assert axes.get_xlabel() == "largest |vertical acceleration| [g]"
 
 
+def test_rows_of_several_quantities() -> None:
+    quantities = ["min_load", "max_acceleration"]
+    figure = plotting_ensemble.histograms_and_exceedances(
+        {"a": ENSEMBLE, "b": ENSEMBLE}, units=INCHES, quantities=quantities
+    )
+    assert [ax.get_xlabel() for ax in figure.axes[::2]] == [
+        "smallest load [kip]",
+        "largest |vertical acceleration| [g]",
+    ] * 2
+    for wrong in ("max_load", []):
+        with pytest.raises(rm.InputError, match="is not a list of quantities"):
+            plotting_ensemble.histograms_and_exceedances({"": ENSEMBLE}, quantities=wrong)
+    with pytest.raises(rm.InputError, match="quantity = 'load': no such quantity"):
+        plotting_ensemble.histograms_and_exceedances({"": ENSEMBLE}, quantities=["load"])
+
+
 def test_figure_has_one_row_per_ensemble() -> None:
     figure = plotting_ensemble.histograms_and_exceedances(
         {"60 kt": ENSEMBLE, "again": ENSEMBLE}, "F-4E", units=INCHES

@@ -38,10 +38,14 @@ _BINS, _LEVELS = 60, 300
 
 
 def histograms_and_exceedances(
-    ensembles: Mapping[str, Ensemble], title: str = "", *, units: Units | None = None
+    ensembles: Mapping[str, Ensemble],
+    title: str = "",
+    *,
+    units: Units | None = None,
+    quantities: Sequence[str] = ("max_load",),
 ) -> Figure:
     """
-    Draw the largest gear loads of ensembles, one row each: histogram and exceedance.
+    Draw quantities of ensembles, one row each: histogram and exceedance.
 
     Parameters
     ----------
@@ -51,6 +55,8 @@ def histograms_and_exceedances(
         Title of the figure.
     units : Units, optional
         Units of the ensembles, for the axis labels; loads in lbf and N are drawn in kip and kN.
+    quantities : sequence of str
+        What to draw of each ensemble, as for `Ensemble.plot`. Default: the largest gear loads.
 
     Returns
     -------
@@ -60,7 +66,8 @@ def histograms_and_exceedances(
     Raises
     ------
     InputError
-        If there is no ensemble, no run of one could be computed, or `units` is not a `Units`.
+        If there is no ensemble, quantity or such quantity, no run of one could be computed, or
+        `units` is not a `Units`.
     ImportError
         If matplotlib is not installed.
 
@@ -79,11 +86,14 @@ def histograms_and_exceedances(
 
     if not ensembles:
         raise InputError("ensembles is empty")
-    figure = Figure(figsize=(10.0, 3.6 * len(ensembles) + 0.4), layout="constrained")
-    rows = figure.subplots(len(ensembles), 2, squeeze=False, sharex="row")
-    for (label, ensemble), (left, right) in zip(ensembles.items(), rows, strict=True):
-        ensemble.plot("max_load", ax=left, units=units)
-        ensemble.plot_exceedance("max_load", ax=right, units=units)
+    if isinstance(quantities, str) or not quantities:
+        raise InputError(f"quantities = {quantities!r} is not a list of quantities")
+    drawn = [(label, one, each) for label, one in ensembles.items() for each in quantities]
+    figure = Figure(figsize=(10.0, 3.6 * len(drawn) + 0.4), layout="constrained")
+    rows = figure.subplots(len(drawn), 2, squeeze=False, sharex="row")
+    for (label, ensemble, quantity), (left, right) in zip(drawn, rows, strict=True):
+        ensemble.plot(quantity, ax=left, units=units)
+        ensemble.plot_exceedance(quantity, ax=right, units=units)
         runs = f"{int(ensemble.valid.sum())} runs"
         left.set_title(f"{label}, {runs}" if label else runs, loc="left", fontsize="medium")
     if title:

@@ -151,7 +151,8 @@ def _parser() -> argparse.ArgumentParser:
     of_mc.add_argument(
         "--figure",
         metavar="PATH",
-        help="histogram and exceedance of the largest loads, .png .pdf .svg (extra plot)",
+        help="histogram and exceedance of the largest loads, and of accelerations at the case's "
+        "stations, .png .pdf .svg (extra plot)",
     )
     of_mc.add_argument("--quiet", action="store_true", help="no progress bar")
     add("example", _example, "print a case file with every key explained")

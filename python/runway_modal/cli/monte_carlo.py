@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
+    from matplotlib.figure import Figure
+
     from runway_modal.case import Case
     from runway_modal.case.random_runways import RandomRunways
     from runway_modal.ensemble import Ensemble
@@ -60,9 +62,16 @@ def run(
         table_writers(
             lambda: map(tables_ensemble.quantities, ensembles.values()), case.units, index="run"
         )
-        | figure_writer(
-            lambda: histograms_and_exceedances(ensembles, _title(case), units=case.units)
-        )
+        | figure_writer(lambda: _figure(case, ensembles))
+    )
+
+
+def _figure(case: Case, ensembles: Mapping[str, Ensemble]) -> Figure:
+    quantities = ["max_load"]
+    if len(case.aircraft.stations) > 1:  # the centre of gravity is always there
+        quantities.append("max_acceleration")
+    return histograms_and_exceedances(
+        ensembles, _title(case), units=case.units, quantities=quantities
     )
 
 

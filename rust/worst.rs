@@ -230,8 +230,8 @@ impl Course {
     /// The worst speed of a range; the same numbers on any number of threads.
     ///
     /// # Errors
-    /// A gear that is not there, a range out of order, a tolerance that is not positive or asks for too many runs, an
-    /// overflow, or what `pulse` gives.
+    /// A gear that is not there, a range out of order, a tolerance that is not positive or asks for too
+    /// many runs, an overflow, or what `pulse` gives.
     pub fn worst(&self, target: Target, range: SpeedRange, pulse: Pulse) -> Result<Worst> {
         let SpeedRange { low, high, tolerance, most_runs } = range;
         check_speed(Place::at("speeds", 0), low)?;

@@ -423,6 +423,7 @@ def test_measured_modes_of_wrong_shape() -> None:
     assert_refused(lambda: measured(omega=[], shapes=np.zeros((3, 0)), damping_ratio=[]), "omega")
     assert_refused(lambda: rm.f4e().modes([0.1, 0.1]), "damping_ratio has 2 entries")
     assert_refused(lambda: rm.f4e().modes([0.1]), "damping_ratio has 1 entry")
+    assert_refused(lambda: rm.f4e().modes([]), "damping_ratio has 0 entries, 3 expected")
     for value in (np.nan, np.inf, 1e300):
         shapes = SHAPES.copy()
         shapes[1, 2] = value

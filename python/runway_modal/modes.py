@@ -147,8 +147,8 @@ class Modes:
         if damping_ratio is not None:
             ratio = one_or_each("damping_ratio", damping_ratio)
             # To the core one number stands for all modes; an array gives one for each.
-            several = ratio.size > 1 or np.linalg.matrix_rank(aircraft.geometry) == 1
-            if np.ndim(damping_ratio) and not several:
+            alone = np.ndim(damping_ratio) > 0 and ratio.size == 1
+            if alone and np.linalg.matrix_rank(aircraft.geometry) > 1:
                 raise InputError(
                     "damping_ratio has 1 entry, one per mode expected; pass a number for all"
                 )

@@ -99,7 +99,8 @@ def _accelerations(case: Case, found: Sweep, knots: NDArray[np.float64]) -> Iter
 
 def _proven(case: Case, tracks: Mapping[str, Profile], span: SpeedRange) -> Iterator[str]:
     """Tell what no speed of the range exceeds, between the steps too."""
-    if span.tolerance is None:
+    tolerance = span.tolerance
+    if tolerance is None:
         return
     width, digits, force = name_width(case), load_digits(case), f"[{case.units.force}]"
 
@@ -111,7 +112,7 @@ def _proven(case: Case, tracks: Mapping[str, Profile], span: SpeedRange) -> Iter
                 (span.low, span.high),
                 quantity,
                 at=gear,
-                tolerance=span.tolerance or 0.0,
+                tolerance=tolerance,
                 damping_input=case.damping_input,
             )
         (knots,) = _knots(case, np.array([found.speed]))

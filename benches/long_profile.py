@@ -5,6 +5,8 @@ Three modes, three gears on one profile, displacement and rate at every knot. Ou
 finds the times and returns them; peers get what they need prepared.
 """
 
+import os
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -47,18 +49,24 @@ def against_peers(segments: int, rounds: int) -> None:
 def all_different(segments: int, rounds: int) -> None:
     own, profiles = modes(), {"equal": equal(segments), "irregular": irregular(segments)}
     rows = {name: rm.simulate(own, each, SPEED).time.size for name, each in profiles.items()}
-    turns = take_turns(
-        rounds,
-        equal=lambda: rm.simulate(own, profiles["equal"], SPEED),
-        irregular=lambda: rm.simulate(own, profiles["irregular"], SPEED),
-    )
+    run = {name: partial(rm.simulate, own, each, SPEED) for name, each in profiles.items()}
+    turns = take_turns(rounds, **run, alone=partial(on_one_thread, run["irregular"]))
     whole = ratio(turns["irregular"], turns["equal"])
     row = whole * rows["equal"] / rows["irregular"]
     print(f"\n{segments:.0e} segments of all different lengths, {rows['irregular']} rows")
     line("equal", milliseconds(turns["equal"]))
     line("irregular (nose and main gears' knots apart)", milliseconds(turns["irregular"]))
+    line("the same on one thread", milliseconds(turns["alone"]))
     line("irregular / equal, per segment of the profile", f"{whole:.2f}", "≤ 6", whole <= 6)
     line("irregular / equal, per row", f"{row:.2f}", "≤ 6", row <= 6)
+    line("on one thread / equal, per segment", f"{ratio(turns['alone'], turns['equal']):.2f}")
+
+
+def on_one_thread(call: Callable[[], rm.Response]) -> rm.Response:
+    os.environ["RAYON_NUM_THREADS"] = "1"
+    response = call()
+    del os.environ["RAYON_NUM_THREADS"]
+    return response
 
 
 def flatness(sizes: list[int], rounds: int) -> None:

@@ -24,21 +24,13 @@ pub(crate) struct Step {
     pub height: f64,
 }
 
-/// How knots are put in order: as long as possible by following the foremost track.
-#[derive(Clone, Debug)]
-enum Order<'a> {
-    Shared(InStep<'a>),
-    Merged(Merge<'a, SLOTS>),
-}
-
-/// The tracks' breakpoints in one order, a block of knots at a time.
+/// A block of the tracks' breakpoints in one order.
 ///
 /// A vertical step makes two knots at one distance. Slot 0 of a block is the last knot of the
 /// block before; in the first block, a knot at the distance of the first of all.
 #[derive(Clone, Debug)]
 pub(crate) struct Knots<'a> {
     run: &'a Run,
-    order: Order<'a>,
     /// Slots in use.
     pub len: usize,
     distance: Distances<SLOTS>,
@@ -51,6 +43,10 @@ pub(crate) struct Knots<'a> {
     pub is_even: bool,
     /// A row a track: slope after each knot.
     pub slopes: Vec<[f64; SLOTS]>,
+    /// Where all tracks follow the foremost one, its place.
+    shared: Option<InStep<'a>>,
+    /// A row a track, where they do not: how many of its breakpoints have been passed after each knot.
+    passed: Vec<[usize; SLOTS]>,
     /// Vertical steps in the block, in the order of their slots.
     pub steps: Vec<Step>,
     /// Whether there is a vertical step anywhere.
@@ -58,43 +54,34 @@ pub(crate) struct Knots<'a> {
 }
 
 impl<'a> Knots<'a> {
-    /// The first block.
-    pub fn new(run: &'a Run) -> Self {
+    /// A block without knots.
+    pub fn none(run: &'a Run) -> Self {
         let tracks = run.tracks.len();
-        let order = match &run.shared_knots {
-            Some(shared) => Order::Shared(InStep::new(&run.tracks, shared)),
-            None => Order::Merged(Merge::new(&run.tracks, std::iter::repeat_n(0, tracks))),
-        };
-        let mut knots = Self {
+        Self {
             run,
-            order,
             len: 1,
             distance: Distances::INFINITE,
             time: [f64::INFINITY; SLOTS + 1],
             dt: [0.0; SLOTS],
             is_even: false,
             slopes: vec![[0.0; SLOTS]; tracks],
+            shared: None,
+            passed: vec![[0; SLOTS]; tracks],
             steps: Vec::new(),
             has_steps: run.tracks.iter().any(|track| track.profile.steps() > 0),
-        };
-        // No time passes before the first knot.
-        knots.distance.set(0, run.first_knot());
-        knots.advance();
-        knots
+        }
     }
 
-    /// Goes on to the next block; whether there is one.
-    pub fn advance(&mut self) -> bool {
-        next_block(self);
-        self.find_steps();
-        self.len > 1
+    /// Whose knots these are.
+    pub fn run(&self) -> &'a Run {
+        self.run
     }
 
     /// How many breakpoints of a track have been passed after the knot of a slot.
     fn passed(&self, track: usize, slot: usize) -> usize {
-        match &self.order {
-            Order::Shared(shared) => shared.passed(track, slot),
-            Order::Merged(merge) => merge.passed(track, slot),
+        match &self.shared {
+            Some(shared) => shared.passed(track, slot),
+            None => self.passed[track][slot],
         }
     }
 
@@ -164,25 +151,65 @@ impl<'a> Knots<'a> {
     }
 }
 
-/// Fills the block with the next knots.
+/// How knots are put in order: as long as possible by following the foremost track.
+#[derive(Clone, Debug)]
+enum Order<'a> {
+    Shared(InStep<'a>),
+    Merged(Merge<'a>),
+}
+
+/// Finds the knots, block after block.
+#[derive(Clone, Debug)]
+pub(crate) struct Finder<'a> {
+    run: &'a Run,
+    order: Order<'a>,
+    /// The last knot found, and a track each the slope after it.
+    last: Distance,
+    slopes: Vec<f64>,
+}
+
+impl<'a> Finder<'a> {
+    pub fn new(run: &'a Run) -> Self {
+        let tracks = run.tracks.len();
+        let order = match &run.shared_knots {
+            Some(shared) => Order::Shared(InStep::new(&run.tracks, shared)),
+            None => Order::Merged(Merge::new(&run.tracks, std::iter::repeat_n(0, tracks))),
+        };
+        // No time passes before the first knot.
+        Self { run, order, last: run.first_knot(), slopes: vec![0.0; tracks] }
+    }
+
+    /// Fills a block with the next knots; none are left when it has slot 0 only.
+    pub fn find(&mut self, knots: &mut Knots<'a>) {
+        next_block(self, knots);
+        knots.find_steps();
+    }
+}
+
 #[multiversion(targets("x86_64+avx2"))]
-fn next_block(knots: &mut Knots) {
-    let Knots { run, order, distance, slopes, .. } = knots;
-    let last = knots.len - 1;
-    distance.set(0, distance.get(last));
-    for slopes in &mut *slopes {
-        slopes[0] = slopes[last];
+fn next_block<'a>(finder: &mut Finder<'a>, knots: &mut Knots<'a>) {
+    let Finder { run, order, last, slopes } = finder;
+    knots.distance.set(0, *last);
+    for (to, slope) in knots.slopes.iter_mut().zip(&*slopes) {
+        to[0] = *slope;
     }
     if let Order::Shared(shared) = order
         && shared.is_over()
     {
-        let passed = (0..run.tracks.len()).map(|track| shared.passed(track, last));
-        *order = Order::Merged(Merge::new(&run.tracks, passed));
+        *order = Order::Merged(Merge::new(&run.tracks, shared.all_passed()));
     }
     knots.len = match order {
-        Order::Shared(shared) => shared.fill(distance, slopes),
-        Order::Merged(merge) => merge.fill(distance, slopes),
+        Order::Shared(shared) => shared.fill(&mut knots.distance, &mut knots.slopes),
+        Order::Merged(merge) => merge.fill(&mut knots.distance, &mut knots.slopes, &mut knots.passed),
+    };
+    knots.shared = match order {
+        Order::Shared(shared) => Some(*shared),
+        Order::Merged(_) => None,
     };
     knots.is_even = knots.distance.divide(run.speed, &mut knots.time, &mut knots.dt[..knots.len]);
     knots.time[knots.len] = f64::INFINITY;
+    *last = knots.distance.get(knots.len - 1);
+    for (slope, from) in slopes.iter_mut().zip(&knots.slopes) {
+        *slope = from[knots.len - 1];
+    }
 }

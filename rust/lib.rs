@@ -37,6 +37,8 @@
 //! | `merge` | breakpoints of several tracks in one order |
 //! | `knots` | the breakpoints of all gears in order, a block at a time |
 //! | `pair` | two equal segments at a stride |
+//! | `pages` | memory fetched before it is written to |
+//! | `scout` | knots found ahead, on a thread of their own |
 //! | `path` | the transitions between a block's knots, and what drives the modes there |
 //! | `march` | knots → modal states: the segment loop |
 //! | `inside` | states between a segment's ends |
@@ -92,6 +94,7 @@ pub mod lanes;
 mod march;
 mod merge;
 pub mod modes;
+mod pages;
 mod pair;
 mod parallel;
 mod path;
@@ -104,6 +107,7 @@ pub mod roughness;
 pub mod row;
 pub mod run;
 pub mod sample;
+mod scout;
 mod shared_knots;
 pub mod spectrum;
 mod strains;

@@ -3,10 +3,12 @@
 use multiversion::multiversion;
 
 use crate::distance::Distance;
-use crate::knots::{Knots, SLOTS};
+use crate::knots::{Finder, Knots, SLOTS};
 use crate::lanes::{LANES, Lanes};
+use crate::pages::Pages;
 use crate::path::{Path, Trail};
 use crate::run::Run;
+use crate::scout::{self, Supply};
 use crate::track::Track;
 use crate::transition::{Drive, State};
 
@@ -26,7 +28,7 @@ pub(crate) struct KnotBlock<'a> {
 }
 
 impl<'a> KnotBlock<'a> {
-    /// The first block: at rest in equilibrium on the first elevations.
+    /// Before the first block: at rest in equilibrium on the first elevations.
     fn new(run: &'a Run) -> Self {
         Self {
             path: Path::new(run),
@@ -38,15 +40,15 @@ impl<'a> KnotBlock<'a> {
         }
     }
 
-    /// Goes on to the next block, whose states are yet to be marched to; whether there is one.
-    fn advance(&mut self) -> bool {
+    /// Goes on to the next block, whose states are yet to be marched to; whether it has knots.
+    fn advance(&mut self, supply: &mut impl Supply<'a>) -> bool {
         let Self { path, start, state, plain, short_bumps, .. } = self;
         let last = path.knots.len - 1;
         *start = if last > 0 { path.knots.time[last] } else { *start };
         state[0] = state[last];
-        let more = path.advance();
+        path.advance(supply);
         *plain = path.knots.steps.is_empty() && !path.run.damping_input && !short_bumps.watching;
-        more
+        path.knots.len > 1
     }
 
     /// Times of the knots after slot 0.
@@ -272,21 +274,31 @@ pub(crate) trait Visitor {
         }
     }
 
+    /// Memory that will be written to: a row a knot, or more.
+    fn pages(&self) -> Pages {
+        Pages::default()
+    }
+
     /// Whether to go on after `work` more knots.
     fn go_on(&mut self, work: u32) -> bool;
 }
 
 /// Visits every segment that begins at or before `end` (and a few more), unless stopped.
 pub(crate) fn march(run: &Run, end: f64, visitor: &mut impl Visitor) {
+    let ahead = scout::is_worth_it(run)
+        && scout::ahead(run, visitor.pages(), |ahead| march_over(run, end, visitor, ahead));
+    if !ahead {
+        march_over(run, end, visitor, &mut Finder::new(run));
+    }
+}
+
+fn march_over<'a>(run: &'a Run, end: f64, visitor: &mut impl Visitor, supply: &mut impl Supply<'a>) {
     let mut block = KnotBlock::new(run);
-    loop {
+    while block.advance(supply) {
         visitor.visit_block(&mut block);
         let past = block.times().last().is_some_and(|&last| last > end);
         if past || !visitor.go_on(SLOTS as u32) {
             return;
-        }
-        if !block.advance() {
-            break;
         }
     }
     visitor.visit(&block.segment(0, f64::INFINITY));

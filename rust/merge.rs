@@ -62,49 +62,46 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Merges the breakpoints of all tracks, a block of so many slots at a time.
+/// Merges the breakpoints of all tracks, a block at a time.
 #[derive(Clone, Debug)]
-pub(crate) struct Merge<'a, const SLOTS: usize> {
+pub(crate) struct Merge<'a> {
     cursors: Vec<Cursor<'a>>,
-    /// A row a track: how many of its breakpoints have been passed after each knot.
-    passed: Vec<[usize; SLOTS]>,
 }
 
-impl<'a, const SLOTS: usize> Merge<'a, SLOTS> {
+impl<'a> Merge<'a> {
     /// Goes on after so many breakpoints of each track.
     pub fn new(tracks: &'a [Track], passed: impl Iterator<Item = usize>) -> Self {
-        let cursors: Vec<_> = tracks.iter().zip(passed).map(|(track, at)| Cursor::new(track, at)).collect();
-        Self { passed: vec![[0; SLOTS]; cursors.len()], cursors }
+        Self { cursors: tracks.iter().zip(passed).map(|(track, at)| Cursor::new(track, at)).collect() }
     }
 
-    /// How many breakpoints of a track have been passed after the knot of a slot.
+    /// The next knots from slot 1 on; rows a track of the slopes after them, and of how many
+    /// breakpoints have been passed then, in slot 0 too. Gives the slots in use.
     #[inline(always)]
-    pub fn passed(&self, track: usize, slot: usize) -> usize {
-        self.passed[track][slot]
-    }
-
-    /// The next knots from slot 1 on, and a row a track of the slopes after them; gives the slots
-    /// in use.
-    #[inline(always)]
-    pub fn fill(&mut self, distance: &mut Distances<SLOTS>, slopes: &mut [[f64; SLOTS]]) -> usize {
+    pub fn fill<const SLOTS: usize>(
+        &mut self,
+        distance: &mut Distances<SLOTS>,
+        slopes: &mut [[f64; SLOTS]],
+        passed: &mut [[usize; SLOTS]],
+    ) -> usize {
         // The number of tracks as a constant where it is small: its loops unroll.
         match self.cursors.len() {
-            2 => self.fill_tracks::<2>(distance, slopes),
-            3 => self.fill_tracks::<3>(distance, slopes),
-            _ => self.fill_tracks::<0>(distance, slopes),
+            2 => self.fill_tracks::<2, SLOTS>(distance, slopes, passed),
+            3 => self.fill_tracks::<3, SLOTS>(distance, slopes, passed),
+            _ => self.fill_tracks::<0, SLOTS>(distance, slopes, passed),
         }
     }
 
     /// `N` tracks, all for `N` = 0.
     #[inline(always)]
-    fn fill_tracks<const N: usize>(
+    fn fill_tracks<const N: usize, const SLOTS: usize>(
         &mut self,
         distance: &mut Distances<SLOTS>,
         slopes: &mut [[f64; SLOTS]],
+        passed: &mut [[usize; SLOTS]],
     ) -> usize {
         let tracks = if N == 0 { self.cursors.len() } else { N };
         let cursors = &mut self.cursors[..tracks];
-        let passed = &mut self.passed[..tracks];
+        let passed = &mut passed[..tracks];
         let slopes = &mut slopes[..tracks];
         for (cursor, passed) in cursors.iter().zip(&mut *passed) {
             passed[0] = cursor.passed();
@@ -288,19 +285,20 @@ mod tests {
         ];
         for tracks in [&all[..2], &all[..3], &all[1..3], &all[2..4], &all[..], &all[4..]] {
             let expected = sorted(tracks);
-            let mut merge = Merge::<SLOTS>::new(tracks, std::iter::repeat_n(0, tracks.len()));
+            let mut merge = Merge::new(tracks, std::iter::repeat_n(0, tracks.len()));
             let mut slopes = vec![[0.0; SLOTS]; tracks.len()];
+            let mut passed = vec![[0; SLOTS]; tracks.len()];
             let mut distance = Distances::INFINITE;
             let mut found = Vec::new();
             loop {
-                let len = merge.fill(&mut distance, &mut slopes);
+                let len = merge.fill(&mut distance, &mut slopes, &mut passed);
                 for slot in 1..len {
                     found.push(distance.get(slot));
                     for (index, track) in tracks.iter().enumerate() {
                         let met = |&&x: &&f64| !distance.get(slot).is_before(track.lag.plus(x));
-                        let passed = track.profile.knots().iter().filter(met).count();
-                        assert_eq!(merge.passed(index, slot), passed);
-                        assert_eq!(slopes[index][slot], track.profile.slopes()[passed]);
+                        let count = track.profile.knots().iter().filter(met).count();
+                        assert_eq!(passed[index][slot], count);
+                        assert_eq!(slopes[index][slot], track.profile.slopes()[count]);
                     }
                 }
                 if len < SLOTS {

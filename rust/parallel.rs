@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
 use std::time::Duration;
 
 use rayon::prelude::*;
@@ -18,6 +19,12 @@ const PULSE_INTERVAL: Duration = Duration::from_millis(50);
 /// Entries of a list that one thread makes at a time: milliseconds.
 const PORTION: usize = 1 << 10;
 
+/// How many threads share work: one per core, unless `RAYON_NUM_THREADS` sets another number.
+pub(crate) fn thread_count() -> usize {
+    let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.parse().ok());
+    asked.filter(|&count| count > 0).unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from))
+}
+
 /// This process's threads. Not rayon's global ones: a forked process (Python's multiprocessing)
 /// inherits their names but not the threads, and would wait for them for ever.
 pub(crate) fn threads() -> Arc<ThreadPool> {
@@ -27,7 +34,9 @@ pub(crate) fn threads() -> Arc<ThreadPool> {
     if let Some((_, pool)) = kept.as_ref().filter(|(owner, _)| *owner == process) {
         return Arc::clone(pool);
     }
-    let pool = Arc::new(ThreadPoolBuilder::new().build().expect("the system gives threads"));
+    let pool = Arc::new(
+        ThreadPoolBuilder::new().num_threads(thread_count()).build().expect("the system gives threads"),
+    );
     // What was inherited has no threads to end.
     std::mem::forget(kept.replace((process, Arc::clone(&pool))));
     pool
@@ -135,7 +144,7 @@ mod tests {
         let for_ever = |_: usize, pulse: Pulse| -> Result<()> {
             loop {
                 pulse()?;
-                std::thread::sleep(Duration::from_millis(1));
+                thread::sleep(Duration::from_millis(1));
             }
         };
         assert_eq!(map(0..8, &mut || Err(Error::Interrupted), for_ever), Err(Error::Interrupted));

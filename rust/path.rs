@@ -7,6 +7,7 @@ use crate::knots::{Knots, SLOTS};
 use crate::lanes::Lanes;
 use crate::pair::Pair;
 use crate::run::Run;
+use crate::scout::Supply;
 use crate::transition::{Drive, Oscillators, State, Transition};
 
 /// Hashes of Δt: so many more than places that two of them seldom share one.
@@ -87,7 +88,7 @@ enum Way {
 #[derive(Clone, Debug)]
 pub(crate) struct Path<'a> {
     pub run: &'a Run,
-    pub knots: Knots<'a>,
+    pub knots: Box<Knots<'a>>,
     way: Way,
     pair: Pair,
     /// Transition to each knot: its place among those kept.
@@ -96,18 +97,17 @@ pub(crate) struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
+    /// Before the first knot.
     pub fn new(run: &'a Run) -> Self {
         let (pair, kept) = (Pair::new(&run.oscillators, 0.0), Kept::new(&run.oscillators));
-        let mut path = Self { run, knots: Knots::new(run), way: Way::Kept, pair, place: [0; SLOTS], kept };
-        find_transitions(&mut path);
-        path
+        let knots = Box::new(Knots::none(run));
+        Self { run, knots, way: Way::Kept, pair, place: [0; SLOTS], kept }
     }
 
-    /// Goes on to the next block; whether there is one.
-    pub fn advance(&mut self) -> bool {
-        let more = self.knots.advance();
+    /// Goes on to the next block.
+    pub fn advance(&mut self, supply: &mut impl Supply<'a>) {
+        supply.next(&mut self.knots);
         find_transitions(self);
-        more
     }
 
     /// Transition to the knot of a slot.

@@ -242,7 +242,7 @@ impl Run {
     }
 
     /// An upper bound on the number of knots. The closer it is, the less memory is fetched for results.
-    fn most_knots(&self) -> usize {
+    pub(crate) fn most_knots(&self) -> usize {
         match &self.shared_knots {
             Some(shared) => shared.most(&self.tracks),
             None => self.tracks.iter().map(|track| track.profile.knots().len()).sum(),

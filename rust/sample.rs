@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::inside::{AT_ONCE, Inside};
 use crate::lanes::{LANES, Lanes};
 use crate::march::{KnotBlock, Segment, Visitor, march};
+use crate::pages::Pages;
 use crate::path::Trail;
 use crate::readout::{Form, Heights, Quantity};
 use crate::run::{Grid, Run};
@@ -189,6 +190,11 @@ impl Visitor for OnGrid<'_, '_> {
             self.keep_times(0, block);
             push_all(self.rows, &block.states()[1..count]);
         }
+    }
+
+    fn pages(&self) -> Pages {
+        let Rows { width, modal, rate, .. } = &*self.rows;
+        Pages::default().and(self.time, 1).and(modal, *width).and(rate, *width)
     }
 
     fn go_on(&mut self, work: u32) -> bool {

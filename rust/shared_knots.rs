@@ -41,7 +41,7 @@ impl SharedKnots {
 }
 
 /// Goes from knot to knot of the foremost track, all others in step with it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct InStep<'a> {
     tracks: &'a [Track],
     shared: &'a SharedKnots,
@@ -72,6 +72,11 @@ impl<'a> InStep<'a> {
     pub fn passed(&self, track: usize, slot: usize) -> usize {
         let last = self.tracks[track].profile.knots().len();
         (self.from + slot).saturating_sub(self.shared.apart[track]).min(last)
+    }
+
+    /// How many breakpoints of each track have been passed after the block.
+    pub fn all_passed(self) -> impl Iterator<Item = usize> {
+        (0..self.tracks.len()).map(move |track| self.passed(track, self.count))
     }
 
     /// The next knots from slot 1 on, and a row a track of the slopes after them; gives the slots

@@ -391,3 +391,16 @@ def test_profiles_alike_are_one_track() -> None:
     assert by_gear(modes.aircraft.gear_names, other)[2] is other["c"]
     one, two = (rm.simulate(modes, tracks, 405.0) for tracks in (surface, again))
     assert one.modal.tobytes() == two.modal.tobytes()
+
+
+def test_a_long_run_is_the_same_on_any_number_of_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    random = np.random.default_rng(5)
+    stations = np.cumsum(random.uniform(0.05, 0.4, 100_000))
+    profile = rm.Profile(stations, random.uniform(0.0, 1.0, stations.size))
+    bits = set()
+    for threads in ("1", "2"):
+        monkeypatch.setenv("RAYON_NUM_THREADS", threads)
+        response = rm.simulate(craft().modes(0.01), profile, 400.0, duration=stations[-1] / 400.0)
+        arrays = (response.time, response.modal, response.modal_rate, response.extremes().max_load)
+        bits.add(tuple(array.tobytes() for array in arrays))
+    assert len(bits) == 1

@@ -85,6 +85,9 @@ def simulate(
     infinite load of that instant is not part of the results, so a sharp edge may seem milder than
     a steep ramp: model the edge as a ramp, or apply `Profile.footprint`.
 
+    Long runs, from some 1e5 breakpoints of all gears on, use a second processor core where there is
+    one and ``RAYON_NUM_THREADS`` does not forbid it; the results have the same bits.
+
     Examples
     --------
     The full mat at 20 knots (the report's Figure 10):

@@ -1,0 +1,164 @@
+//! Knots found ahead: on a thread of their own, while another marches over those found before.
+//!
+//! To put irregular knots of several tracks in order is nearly as much work as to march over them, and
+//! needs no state. So a long march does both at once. What it gives are the same bits: the knots are the same,
+//! found in the same order.
+
+use std::collections::VecDeque;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
+
+use crate::knots::{Finder, Knots, SLOTS};
+use crate::pages::Pages;
+use crate::parallel::thread_count;
+use crate::run::Run;
+
+/// Gives one block of knots after another.
+pub(crate) trait Supply<'a> {
+    /// Puts the next block in the place of one that is done with.
+    fn next(&mut self, knots: &mut Box<Knots<'a>>);
+}
+
+impl<'a> Supply<'a> for Finder<'a> {
+    fn next(&mut self, knots: &mut Box<Knots<'a>>) {
+        self.find(knots);
+    }
+}
+
+/// Fewer knots are not worth a thread: two milliseconds' of marching.
+const WORTH: usize = 1 << 17;
+
+/// Nor are those that are one track's own, found in a tenth of the time, unless results are so long that
+/// their memory comes fresh from the system.
+const WORTH_SHARED: usize = 1 << 21;
+
+/// Blocks that change threads together: waking the other takes as long as a march over some of them.
+const TOGETHER: usize = 256;
+
+/// So many times: one lot is marched over, one waits, one is found.
+const LOTS: usize = 3;
+
+type Blocks<'a> = VecDeque<Box<Knots<'a>>>;
+
+/// Blocks that another thread finds.
+pub(crate) struct Ahead<'a> {
+    ready: Blocks<'a>,
+    done: Blocks<'a>,
+    found: Receiver<Blocks<'a>>,
+    to_fill: Sender<Blocks<'a>>,
+}
+
+impl<'a> Supply<'a> for Ahead<'a> {
+    fn next(&mut self, knots: &mut Box<Knots<'a>>) {
+        if self.ready.is_empty() {
+            // Nobody takes or sends any more only if the other thread has panicked, which its scope passes on.
+            if !self.done.is_empty() {
+                let _ = self.to_fill.send(std::mem::take(&mut self.done));
+            }
+            self.ready = self.found.recv().unwrap_or_default();
+        }
+        let next = self.ready.pop_front().unwrap_or_else(|| Box::new(Knots::none(knots.run())));
+        self.done.push_back(std::mem::replace(knots, next));
+    }
+}
+
+/// Whether a run is long enough, and a thread free for it: not if this one is of many that share work.
+pub(crate) fn is_worth_it(run: &Run) -> bool {
+    let least = if run.shared_knots.is_some() { WORTH_SHARED } else { WORTH };
+    run.most_knots() >= least && rayon::current_thread_index().is_none() && thread_count() > 1
+}
+
+/// Does some work with blocks that another thread finds meanwhile, and fetches a row of `pages` a knot;
+/// whether the system gives a thread.
+pub(crate) fn ahead<'a>(run: &'a Run, mut pages: Pages, work: impl FnOnce(&mut Ahead<'a>)) -> bool {
+    let (to_fill, empty) = channel::<Blocks>();
+    let (send, found) = channel();
+    thread::scope(|scope| {
+        let find = move || {
+            let mut finder = Finder::new(run);
+            for mut blocks in empty {
+                for knots in &mut blocks {
+                    finder.find(knots);
+                }
+                pages.fetch(blocks.len() * SLOTS);
+                if send.send(blocks).is_err() {
+                    return;
+                }
+            }
+        };
+        if thread::Builder::new().spawn_scoped(scope, find).is_err() {
+            return false;
+        }
+        for _ in 0..LOTS {
+            let _ = to_fill.send((0..TOGETHER).map(|_| Box::new(Knots::none(run))).collect());
+        }
+        work(&mut Ahead { ready: Blocks::new(), done: Blocks::new(), found, to_fill });
+        true
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::aircraft::{Aircraft, Gear, Inertia};
+    use crate::modes::Modes;
+    use crate::profile::Profile;
+
+    /// More blocks than change threads together, and vertical steps.
+    const STATIONS: usize = 3 * TOGETHER * SLOTS;
+
+    fn run(spacing: impl Fn(usize) -> f64) -> Run {
+        let inertia = Inertia { mass: 145.5, pitch: 1.92e6, roll: 6.56e5, gravity: 386.0886 };
+        let gear = |name, x, y, stiffness| Gear::new(name, x, y, stiffness, 0.0).unwrap();
+        let gears = vec![gear("nose", 234.9, 0.0, 1502.0), gear("main", -44.35, 0.0, 18204.0)];
+        let modes = Modes::natural(Arc::new(Aircraft::new(inertia, gears).unwrap()), None);
+        let mut station = 0.0;
+        let x = (0..STATIONS).map(|i| {
+            station += spacing(i);
+            station
+        });
+        let z = (0..STATIONS).map(|i| (i * i % 11) as f64);
+        let profile = Arc::new(Profile::new(x.collect(), z.collect()).unwrap());
+        Run::new(Arc::new(modes.unwrap()), &[Arc::clone(&profile), profile], 405.0, false).unwrap()
+    }
+
+    /// The bits of what the march reads of all blocks, the last one empty.
+    fn read<'a>(run: &'a Run, supply: &mut impl Supply<'a>) -> Vec<Vec<u64>> {
+        let mut knots = Box::new(Knots::none(run));
+        let mut blocks = Vec::new();
+        loop {
+            supply.next(&mut knots);
+            let slot =
+                |slot: usize| [knots.time[slot], knots.dt[slot], knots.slope(slot, 0), knots.slope(slot, 1)];
+            let steps = knots.steps.iter().flat_map(|step| [step.slot as f64, step.height]);
+            blocks.push((1..knots.len).flat_map(slot).chain(steps).map(f64::to_bits).collect());
+            if knots.len == 1 {
+                return blocks;
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_blocks_come_from_another_thread() {
+        let uneven = |i: usize| 0.1 + (i * i % 7) as f64 / 7.0;
+        let stepped = |i: usize| if i % 100 == 3 { 0.0 } else { uneven(i) };
+        for run in [run(uneven), run(stepped), run(|_| 0.25)] {
+            let alone = read(&run, &mut Finder::new(&run));
+            assert!(alone.len() > 2 * TOGETHER);
+            let mut beside = Vec::new();
+            assert!(ahead(&run, Pages::default(), |ahead| beside = read(&run, ahead)));
+            assert!(alone == beside);
+        }
+    }
+
+    #[test]
+    fn a_march_may_end_early() {
+        let run = run(|_| 0.3);
+        for blocks in [0, 1, TOGETHER, TOGETHER + 1] {
+            let mut knots = Box::new(Knots::none(&run));
+            ahead(&run, Pages::default(), |ahead| (0..blocks).for_each(|_| ahead.next(&mut knots)));
+        }
+    }
+}

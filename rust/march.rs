@@ -3,12 +3,12 @@
 use multiversion::multiversion;
 
 use crate::distance::Distance;
-use crate::knots::{Finder, Knots, SLOTS};
+use crate::knots::{Knots, SLOTS};
 use crate::lanes::{LANES, Lanes};
 use crate::pages::Pages;
 use crate::path::{Path, Trail};
 use crate::run::Run;
-use crate::scout::{self, Supply};
+use crate::scout::{Supply, with_knots};
 use crate::track::Track;
 use crate::transition::{Drive, State};
 
@@ -41,7 +41,7 @@ impl<'a> KnotBlock<'a> {
     }
 
     /// Goes on to the next block, whose states are yet to be marched to; whether it has knots.
-    fn advance(&mut self, supply: &mut impl Supply<'a>) -> bool {
+    fn advance(&mut self, supply: &mut Supply<'a>) -> bool {
         let Self { path, start, state, plain, short_bumps, .. } = self;
         let last = path.knots.len - 1;
         *start = if last > 0 { path.knots.time[last] } else { *start };
@@ -285,14 +285,11 @@ pub(crate) trait Visitor {
 
 /// Visits every segment that begins at or before `end` (and a few more), unless stopped.
 pub(crate) fn march(run: &Run, end: f64, visitor: &mut impl Visitor) {
-    let ahead = scout::is_worth_it(run)
-        && scout::ahead(run, visitor.pages(), |ahead| march_over(run, end, visitor, ahead));
-    if !ahead {
-        march_over(run, end, visitor, &mut Finder::new(run));
-    }
+    let pages = visitor.pages();
+    with_knots(run, pages, |supply| march_over(run, end, visitor, supply));
 }
 
-fn march_over<'a>(run: &'a Run, end: f64, visitor: &mut impl Visitor, supply: &mut impl Supply<'a>) {
+fn march_over<'a>(run: &'a Run, end: f64, visitor: &mut impl Visitor, supply: &mut Supply<'a>) {
     let mut block = KnotBlock::new(run);
     while block.advance(supply) {
         visitor.visit_block(&mut block);

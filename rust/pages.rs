@@ -10,6 +10,7 @@ use std::ops::Range;
 pub(crate) struct Pages {
     /// The addresses of each, and the bytes of a row.
     arrays: Vec<(Range<usize>, usize)>,
+    /// So many.
     rows: usize,
 }
 

@@ -105,7 +105,7 @@ impl<'a> Path<'a> {
     }
 
     /// Goes on to the next block.
-    pub fn advance(&mut self, supply: &mut impl Supply<'a>) {
+    pub fn advance(&mut self, supply: &mut Supply<'a>) {
         supply.next(&mut self.knots);
         find_transitions(self);
     }

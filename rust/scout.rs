@@ -1,35 +1,24 @@
-//! Knots found ahead: on a thread of their own, while another marches over those found before.
+//! What a march will need, made ready by another thread: the next knots, and memory for the results.
 //!
 //! To put irregular knots of several tracks in order is nearly as much work as to march over them, and
-//! needs no state. So a long march does both at once. What it gives are the same bits: the knots are the same,
-//! found in the same order.
+//! needs no state; nor does it to fetch memory. So a long march does both at once. What it gives are the
+//! same bits: the knots are the same, found in the same order.
 
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::thread;
+use std::thread::{self, Scope};
 
 use crate::knots::{Finder, Knots, SLOTS};
 use crate::pages::Pages;
 use crate::parallel::thread_count;
 use crate::run::Run;
 
-/// Gives one block of knots after another.
-pub(crate) trait Supply<'a> {
-    /// Puts the next block in the place of one that is done with.
-    fn next(&mut self, knots: &mut Box<Knots<'a>>);
-}
-
-impl<'a> Supply<'a> for Finder<'a> {
-    fn next(&mut self, knots: &mut Box<Knots<'a>>) {
-        self.find(knots);
-    }
-}
-
 /// Fewer knots are not worth a thread: two milliseconds' of marching.
 const WORTH: usize = 1 << 17;
 
-/// Nor are those that are one track's own, found in a tenth of the time, unless results are so long that
-/// their memory comes fresh from the system.
+/// Nor are those that gears share. They are found in a tenth of the time; but from here on memory for
+/// the results comes fresh from the system.
 const WORTH_SHARED: usize = 1 << 21;
 
 /// Blocks that change threads together: waking the other takes as long as a march over some of them.
@@ -37,6 +26,24 @@ const TOGETHER: usize = 256;
 
 /// So many times: one lot is marched over, one waits, one is found.
 const LOTS: usize = 3;
+
+/// Gives one block of knots after another.
+pub(crate) enum Supply<'a> {
+    /// Finds them itself.
+    Here(Finder<'a>),
+    /// Gets them from another thread.
+    Elsewhere(Ahead<'a>),
+}
+
+impl<'a> Supply<'a> {
+    /// Puts the next block in the place of one that is done with.
+    pub fn next(&mut self, knots: &mut Box<Knots<'a>>) {
+        match self {
+            Self::Here(finder) => finder.find(knots),
+            Self::Elsewhere(ahead) => ahead.next(knots),
+        }
+    }
+}
 
 type Blocks<'a> = VecDeque<Box<Knots<'a>>>;
 
@@ -48,7 +55,7 @@ pub(crate) struct Ahead<'a> {
     to_fill: Sender<Blocks<'a>>,
 }
 
-impl<'a> Supply<'a> for Ahead<'a> {
+impl<'a> Ahead<'a> {
     fn next(&mut self, knots: &mut Box<Knots<'a>>) {
         if self.ready.is_empty() {
             // Nobody takes or sends any more only if the other thread has panicked, which its scope passes on.
@@ -62,39 +69,66 @@ impl<'a> Supply<'a> for Ahead<'a> {
     }
 }
 
+/// Does some work with the knots of a run; a row of `pages` a knot will be written to.
+pub(crate) fn with_knots<'a>(run: &'a Run, pages: Pages, work: impl FnOnce(&mut Supply<'a>)) {
+    let here = || Supply::Here(Finder::new(run));
+    if !is_worth_it(run) {
+        return work(&mut here());
+    }
+    let over = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let helped = if run.shared_knots.is_some() {
+            fetch(scope, run, pages, &over).map(|()| here())
+        } else {
+            find(scope, run, pages).map(Supply::Elsewhere)
+        };
+        // Where the system gives no thread, this one does without.
+        work(&mut helped.unwrap_or_else(here));
+        over.store(true, Ordering::Relaxed);
+    });
+}
+
 /// Whether a run is long enough, and a thread free for it: not if this one is of many that share work.
-pub(crate) fn is_worth_it(run: &Run) -> bool {
+fn is_worth_it(run: &Run) -> bool {
     let least = if run.shared_knots.is_some() { WORTH_SHARED } else { WORTH };
     run.most_knots() >= least && rayon::current_thread_index().is_none() && thread_count() > 1
 }
 
-/// Does some work with blocks that another thread finds meanwhile, and fetches a row of `pages` a knot;
-/// whether the system gives a thread.
-pub(crate) fn ahead<'a>(run: &'a Run, mut pages: Pages, work: impl FnOnce(&mut Ahead<'a>)) -> bool {
+/// Has another thread fetch the pages until all is over.
+fn fetch<'s>(scope: &'s Scope<'s, '_>, run: &Run, mut pages: Pages, over: &'s AtomicBool) -> Option<()> {
+    let steps = run.most_knots() / (TOGETHER * SLOTS);
+    let fetch = move || {
+        for _ in 0..steps {
+            if over.load(Ordering::Relaxed) {
+                return;
+            }
+            pages.fetch(TOGETHER * SLOTS);
+        }
+    };
+    thread::Builder::new().spawn_scoped(scope, fetch).ok().map(|_| ())
+}
+
+/// Has another thread find the knots, and fetch a page for each.
+fn find<'s, 'a: 's>(scope: &'s Scope<'s, '_>, run: &'a Run, mut pages: Pages) -> Option<Ahead<'a>> {
     let (to_fill, empty) = channel::<Blocks>();
     let (send, found) = channel();
-    thread::scope(|scope| {
-        let find = move || {
-            let mut finder = Finder::new(run);
-            for mut blocks in empty {
-                for knots in &mut blocks {
-                    finder.find(knots);
-                }
-                pages.fetch(blocks.len() * SLOTS);
-                if send.send(blocks).is_err() {
-                    return;
-                }
+    let find = move || {
+        let mut finder = Finder::new(run);
+        for mut blocks in empty {
+            for knots in &mut blocks {
+                finder.find(knots);
             }
-        };
-        if thread::Builder::new().spawn_scoped(scope, find).is_err() {
-            return false;
+            pages.fetch(blocks.len() * SLOTS);
+            if send.send(blocks).is_err() {
+                return;
+            }
         }
-        for _ in 0..LOTS {
-            let _ = to_fill.send((0..TOGETHER).map(|_| Box::new(Knots::none(run))).collect());
-        }
-        work(&mut Ahead { ready: Blocks::new(), done: Blocks::new(), found, to_fill });
-        true
-    })
+    };
+    thread::Builder::new().spawn_scoped(scope, find).ok()?;
+    for _ in 0..LOTS {
+        let _ = to_fill.send((0..TOGETHER).map(|_| Box::new(Knots::none(run))).collect());
+    }
+    Some(Ahead { ready: Blocks::new(), done: Blocks::new(), found, to_fill })
 }
 
 #[cfg(test)]
@@ -125,7 +159,7 @@ mod tests {
     }
 
     /// The bits of what the march reads of all blocks, the last one empty.
-    fn read<'a>(run: &'a Run, supply: &mut impl Supply<'a>) -> Vec<Vec<u64>> {
+    fn read<'a>(run: &'a Run, supply: &mut Supply<'a>) -> Vec<Vec<u64>> {
         let mut knots = Box::new(Knots::none(run));
         let mut blocks = Vec::new();
         loop {
@@ -145,10 +179,11 @@ mod tests {
         let uneven = |i: usize| 0.1 + (i * i % 7) as f64 / 7.0;
         let stepped = |i: usize| if i % 100 == 3 { 0.0 } else { uneven(i) };
         for run in [run(uneven), run(stepped), run(|_| 0.25)] {
-            let alone = read(&run, &mut Finder::new(&run));
+            let alone = read(&run, &mut Supply::Here(Finder::new(&run)));
             assert!(alone.len() > 2 * TOGETHER);
-            let mut beside = Vec::new();
-            assert!(ahead(&run, Pages::default(), |ahead| beside = read(&run, ahead)));
+            let beside = thread::scope(|scope| {
+                read(&run, &mut Supply::Elsewhere(find(scope, &run, Pages::default()).unwrap()))
+            });
             assert!(alone == beside);
         }
     }
@@ -158,7 +193,10 @@ mod tests {
         let run = run(|_| 0.3);
         for blocks in [0, 1, TOGETHER, TOGETHER + 1] {
             let mut knots = Box::new(Knots::none(&run));
-            ahead(&run, Pages::default(), |ahead| (0..blocks).for_each(|_| ahead.next(&mut knots)));
+            thread::scope(|scope| {
+                let mut ahead = find(scope, &run, Pages::default()).unwrap();
+                (0..blocks).for_each(|_| ahead.next(&mut knots));
+            });
         }
     }
 }

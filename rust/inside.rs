@@ -4,7 +4,8 @@
 //! stride is a power of two and at most a radian, so that the number of strides and what is left
 //! are exact, and a Taylor step does the rest. Strides are taken by the binary digits of their
 //! number, the largest first: a state depends on its segment and time alone, and from one time to
-//! the next nearly all digits stay. Four times side by side take the last step together.
+//! the next nearly all digits stay. Four times side by side take the last step together, mode by mode;
+//! one alone takes it with its modes side by side, by the same operations.
 
 use std::hint::black_box;
 
@@ -62,6 +63,9 @@ impl Walk {
     }
 }
 
+/// Times of which each is better off alone: modes side by side are as many as three times.
+const FEW: usize = 2;
+
 /// Looks into one segment after another.
 #[derive(Clone, Debug)]
 pub(crate) struct Inside<'a> {
@@ -99,15 +103,30 @@ fn find_states(inside: &mut Inside, segment: &Segment, times: &[f64]) {
     }
     let (bank, drive) = (&run.oscillators, segment.drive());
     let (begin, end) = (segment.begins_at(), segment.ends_at());
+    let elapsed = |time: f64| {
+        let now = if time >= segment.end { end } else { Distance::product(time, run.speed) };
+        (now.minus(begin) / run.speed).max(0.0)
+    };
+    walk.start(*segment.state());
+    if times.len() <= FEW {
+        for (state, &time) in states.iter_mut().zip(times) {
+            let (count, left) = bank.strides(elapsed(time));
+            *state = last_step(bank, walk.to(count as u64, bank, &drive), left, &drive);
+        }
+        return;
+    }
     let (mut count, mut left) = ([0.0; AT_ONCE], [0.0; AT_ONCE]);
     for ((&time, count), left) in times.iter().zip(&mut count).zip(&mut left) {
-        let now = if time >= segment.end { end } else { Distance::product(time, run.speed) };
-        let since = (now.minus(begin) / run.speed).max(0.0);
-        (*count, *left) = bank.strides(since);
+        (*count, *left) = bank.strides(elapsed(time));
     }
-    walk.start(*segment.state());
     let groups = count.chunks_exact(LANES).zip(left.chunks_exact(LANES));
     for (states, (count, left)) in states[..times.len()].chunks_mut(LANES).zip(groups) {
+        if states.len() <= FEW {
+            for ((state, &count), &left) in states.iter_mut().zip(count).zip(left) {
+                *state = last_step(bank, walk.to(count as u64, bank, &drive), left, &drive);
+            }
+            return;
+        }
         let mut from = [State::REST; LANES];
         for (from, (&count, _)) in from.iter_mut().zip(count.iter().zip(&*states)) {
             *from = *walk.to(count as u64, bank, &drive);
@@ -125,4 +144,10 @@ fn find_states(inside: &mut Inside, segment: &Segment, times: &[f64]) {
             }
         }
     }
+}
+
+/// One time, its modes side by side.
+#[inline(always)]
+fn last_step(bank: &Oscillators, from: &State, left: f64, drive: &Drive) -> State {
+    black_box(bank.over_parts(Lanes::all(black_box(left))).apply(&black_box(*from), drive))
 }

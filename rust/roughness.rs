@@ -13,7 +13,8 @@
 //!
 //! The period exceeds the length by at least two of the longest waves: the ends of a profile
 //! then have nearly nothing to do with each other, and the lines are close enough to follow the
-//! spectrum where it is steepest.
+//! spectrum where it is steepest. A band narrower than its lowest frequency beats slowly, as if by
+//! longer waves: there it is two of its beats, and as many lines.
 
 use multiversion::multiversion;
 use rayon::prelude::*;
@@ -28,7 +29,7 @@ use crate::row::{RUNS, Row};
 use crate::spectrum::Spectrum;
 use crate::watch::{Pulse, Watch};
 
-/// Longest waves by which the period exceeds the length.
+/// Longest waves, or beats of a narrow band, by which the period exceeds the length.
 const MARGIN: f64 = 2.0;
 
 /// Spacings in a period: half a gigabyte a track for a block of runs, and seconds to make it.
@@ -106,11 +107,13 @@ impl Generator {
         }
         // A length that is a whole number of spacings but for rounding is one.
         let segments = (length / spacing - 1e-9).ceil().max(1.0);
-        let period = segments + (MARGIN / (low * spacing)).ceil();
+        let period = segments + (MARGIN / (low.min(high - low) * spacing)).ceil();
         if period > MOST_SPACINGS {
-            // The error names whichever of the two takes up more of the period.
+            // The error names what takes up most of the period.
             let (place, value, why) = if 2.0 * segments > period {
                 ("length", length, "with two of the band's longest waves it holds more than 2^23 spacings")
+            } else if high - low < low {
+                ("width of the band", high - low, "2 / width holds more than 2^23 spacings")
             } else {
                 (
                     "spacing",

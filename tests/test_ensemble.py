@@ -317,18 +317,27 @@ def test_quantile_intervals_are_the_binomial_ones(runs, probability):
     )
 
 
-def test_exceedance_interval_is_wilsons():
+def test_exceedance_interval_is_the_binomial_one():
     found = rm.simulate_many(MODES, runways(200, 1, 20), 10.0, 500.0)
     level = np.sort(found.max_load[:, 1])[189]
     estimate = found.exceedance("max_load", [level, 1e9])
-    assert estimate.value[0, 1] == pytest.approx(10 / 200, rel=1e-12)
-    # The ends solve |share − p| = z √(p (1 − p) / n).
-    for end in (estimate.low[0, 1], estimate.high[0, 1]):
-        z = abs(0.05 - end) / np.sqrt(end * (1 - end) / 200)
-        assert z == pytest.approx(1.959963984540054, rel=1e-9)
+    assert estimate.value[0, 1] == 10 / 200
+    # At the ends 10 runs or more, and 10 or fewer, have a probability of 2.5 %.
+    assert binom.sf(9, 200, estimate.low[0, 1]) == pytest.approx(0.025, rel=1e-9)
+    assert binom.cdf(10, 200, estimate.high[0, 1]) == pytest.approx(0.025, rel=1e-9)
     assert (estimate.value[1] == 0.0).all()
     assert (estimate.low[1] == 0.0).all()
-    assert (estimate.high[1] > 0.0).all()
+    assert (1.0 - estimate.high[1]) ** 200 == pytest.approx(0.025, rel=1e-9)
+
+
+def test_a_quantile_beyond_the_largest_run_is_that_run():
+    """Of few runs the interval begins there; an interpolation would lie below it."""
+    found = rm.simulate_many(MODES, runways(20, 1, 20), 10.0, 500.0)
+    estimate = found.quantile("max_load", 0.999)
+    assert (estimate.low == found.max_load.max(axis=0)).all()
+    assert (estimate.value == estimate.low).all()
+    downward = found.quantile("min_load", 0.001)
+    assert (downward.value == downward.high).all()
 
 
 def test_worst_and_unloaded_and_table():

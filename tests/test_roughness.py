@@ -166,6 +166,20 @@ def test_covariance_of_tracks_of_any_waviness(waviness: float) -> None:
     assert abs(squares.mean() - surface.variance) < 4 * error
 
 
+def test_a_narrow_band_keeps_its_waves_and_its_beats() -> None:
+    """Its covariance, on a runway shorter than a beat; waves half a line off would miss it."""
+    low, high = 0.1, 0.102
+    rough = rm.Roughness(coefficient=1.0, reference=0.1, band=(low, high))
+    z = rough.elevations(length=400.0, spacing=2.0, runs=8000, seed=3)[:, 0]
+    n = np.linspace(low, high, 2001)
+    for lag in (0, 15, 50, 125, 200):
+        wanted = np.trapezoid(rough.psd(n) * np.cos(2 * np.pi * n * 2.0 * lag), n)
+        products = z[:, 0] * z[:, lag]
+        error = products.std() / np.sqrt(z.shape[0])
+        # Two lines and a part of a third stand for the whole band.
+        assert abs(products.mean() - wanted) < 4 * error + 0.02 * rough.variance, lag
+
+
 def test_stations_are_normal() -> None:
     short = rough().elevations(length=2.0, spacing=0.5, runs=40_000, seed=8)
     score = short[:, 0, 0] / np.sqrt(rough().variance)
@@ -562,6 +576,12 @@ def test_bad_profiles(wrong: dict[str, object], message: str) -> None:
     good = {"runs": 1, "seed": 1} | GRID
     with pytest.raises(rm.InputError, match=re.escape(message)):
         rough().elevations(**(good | wrong))
+
+
+def test_a_band_too_narrow_for_its_beats() -> None:
+    line = rm.Roughness(coefficient=1.0, reference=0.1, band=(0.125, 0.125 + 2.0**-30))
+    with pytest.raises(rm.InputError, match=r"width of the band = 9\.31\S*e-10 is out of range"):
+        line.elevations(**GRID, runs=1, seed=1)
 
 
 def test_coherent_tracks_need_one_waviness() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from statistics import NormalDist
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy as np
 from . import _core
 from ._core import InputError
 from ._input import any_array, array, flag, integer, number, one_or_each, read_only, refuse
+from ._intervals import ranks, shares, student
 from ._pickled import Pickled
 from ._quantities import DIMENSIONS, DOWNWARD, column_of, labels
 from ._text import table
@@ -59,10 +59,10 @@ class Estimate(Pickled):
     >>> bool((median.low < median.value).all() and (median.value < median.high).all())
     True
     >>> ensemble.exceedance("max_load", 27e3)
-               nose    left   right
-    27000         0    0.38    0.38
-      from        0  0.2586  0.2586
-      to    0.0713  0.5184  0.5184
+                 nose       left      right
+    27000           0       0.38       0.38
+      from          0   0.246501   0.246501
+      to    0.0711217   0.528251   0.528251
     """
 
     names: tuple[str, ...]
@@ -228,14 +228,16 @@ class Ensemble(Pickled):
 
     def mean(self, quantity: str, *, confidence: float = 0.95) -> Estimate:
         """
-        Estimate the mean over all runways, with an interval from the central limit theorem.
+        Estimate the mean over all runways, with Student's interval.
+
+        It is exact for normal values, and for any others if runs are many.
 
         Parameters
         ----------
         quantity : str
             One of "max_load", "min_load", "rms_load", "max_acceleration", "rms_acceleration".
         confidence : float
-            Probability that an interval contains the true mean, if runs are many [-].
+            Probability that an interval contains the true mean [-].
 
         Returns
         -------
@@ -261,7 +263,8 @@ class Ensemble(Pickled):
         mean = values.mean(axis=0, keepdims=True)
         half = np.full_like(mean, np.inf)
         if runs > 1:
-            half = _normal(confidence) * values.std(axis=0, ddof=1, keepdims=True) / math.sqrt(runs)
+            error = values.std(axis=0, ddof=1, keepdims=True) / math.sqrt(runs)
+            half = student(_tail(confidence), runs - 1) * error
         return Estimate(
             names=labels(self, quantity),
             asked=read_only(np.array([np.nan])),
@@ -312,25 +315,27 @@ class Ensemble(Pickled):
         asked = np.atleast_1d(_shares("probability", probability))
         if asked.ndim > 1:
             raise InputError(f"probability has shape {asked.shape}, 1 dimension(s) expected")
-        tail = (1.0 - float(_shares("confidence", confidence))) / 2.0
+        tail = _tail(confidence)
         bounded = np.concatenate(
             (np.full_like(values[:1], -np.inf), values, np.full_like(values[:1], np.inf))
         )
-        ranks = np.array([_ranks(runs, float(p), tail) for p in asked], int).reshape(-1, 2)
+        enclosing = np.array([ranks(runs, float(p), tail) for p in asked], int).reshape(-1, 2)
+        low, high = (bounded[rank] for rank in enclosing.T)
         return Estimate(
             names=labels(self, quantity),
             asked=read_only(asked.copy()),
-            value=read_only(np.quantile(values, asked, axis=0)),
-            low=read_only(bounded[ranks[:, 0]]),
-            high=read_only(bounded[ranks[:, 1]]),
+            # Of few runs the largest may lie below the quantile, and an interpolation below that.
+            value=read_only(np.quantile(values, asked, axis=0).clip(low, high)),
+            low=read_only(low),
+            high=read_only(high),
         )
 
     def exceedance(self, quantity: str, level: ArrayLike, *, confidence: float = 0.95) -> Estimate:
         """
         Estimate the probability of exceeding a level (for `min_load`: of being at or below it).
 
-        Wilson's (1927) interval: the true probabilities for which the share of runs observed
-        would not be surprising. `plot_exceedance` draws both.
+        The interval holds the probabilities for which the number of runs observed would not be
+        surprising (Clopper and Pearson, 1934). `plot_exceedance` draws both.
 
         Parameters
         ----------
@@ -339,7 +344,7 @@ class Ensemble(Pickled):
         level : array_like, shape (k,), or float
             Levels, in the unit of the quantity.
         confidence : float
-            Approximate probability that an interval contains the true probability [-].
+            Least probability that an interval contains the true probability [-].
 
         Returns
         -------
@@ -364,20 +369,18 @@ class Ensemble(Pickled):
         runs = values.shape[0]
         levels = array("level", np.atleast_1d(any_array("level", level)))
         refuse("level", levels, np.isnan(levels), "is not a number")
-        share = np.array(
-            [[np.searchsorted(c, one, side="right") / runs for c in values.T] for one in levels]
+        count = np.array(
+            [[np.searchsorted(c, one, side="right") for c in values.T] for one in levels], int
         ).reshape(levels.size, values.shape[1])
         if quantity not in DOWNWARD:
-            share = 1.0 - share
-        z = _normal(confidence)
-        centre = (share + z * z / (2 * runs)) / (1 + z * z / runs)
-        half = z / (1 + z * z / runs) * np.sqrt(share * (1 - share) / runs + (z / (2 * runs)) ** 2)
+            count = runs - count
+        low, high = shares(count, runs, _tail(confidence))
         return Estimate(
             names=labels(self, quantity),
             asked=read_only(levels.copy()),
-            value=read_only(share),
-            low=read_only(np.clip(centre - half, 0.0, share)),
-            high=read_only(np.clip(centre + half, share, 1.0)),
+            value=read_only(count / runs),
+            low=read_only(low),
+            high=read_only(high),
         )
 
     def worst(self, at: str, count: int = 10, *, quantity: str = "max_load") -> NDArray[np.int64]:
@@ -784,9 +787,9 @@ def describe(modes: Modes) -> dict[str, Any]:
     }
 
 
-def _normal(confidence: float) -> float:
-    """Half width of a normal distribution's central interval, in standard deviations."""
-    return NormalDist().inv_cdf(0.5 + float(_shares("confidence", confidence)) / 2.0)
+def _tail(confidence: float) -> float:
+    """Probability on either side of an interval."""
+    return (1.0 - float(_shares("confidence", confidence))) / 2.0
 
 
 def masks(on_error: str) -> bool:
@@ -801,26 +804,3 @@ def _shares(argument: str, values: ArrayLike) -> NDArray[np.float64]:
     given = array(argument, values, ndim=None)
     refuse(argument, given, ~((given > 0.0) & (given < 1.0)), "is not between 0 and 1")
     return given
-
-
-def _ranks(runs: int, probability: float, tail: float) -> tuple[int, int]:
-    """
-    Ranks of the order statistics that enclose a quantile, except for `tail` on either side.
-
-    Rank 0 stands for -inf, rank `runs` + 1 for inf. The number B of runs below the quantile is
-    binomial: the lower rank r is the largest with P(B < r) <= tail, the upper the smallest with
-    P(B >= r) <= tail.
-    """
-    width = 12.0 * math.sqrt(runs * probability * (1.0 - probability)) + 40.0
-    first = max(0, int(runs * probability - width))
-    last = min(runs, int(runs * probability + width))
-    # Probabilities of first .. last runs, from their ratios; what lies outside is negligible.
-    k = np.arange(first + 1, last + 1)
-    ratios = np.log((runs - k + 1) / k) + math.log(probability) - math.log1p(-probability)
-    logs = np.concatenate(([0.0], np.cumsum(ratios)))
-    share = np.exp(logs - logs.max())
-    below = np.concatenate(([0.0], np.cumsum(share))) / share.sum()
-    above = np.concatenate((np.cumsum(share[::-1])[::-1], [0.0])) / share.sum()
-    low = first + int(np.flatnonzero(below <= tail)[-1])
-    high = first + int(np.flatnonzero(above <= tail)[0])
-    return low, high

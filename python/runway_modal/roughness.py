@@ -289,7 +289,8 @@ class Roughness:
         A profile is a piece of one period of a sum of waves with independent normal amplitudes,
         spaced evenly in frequency. Each carries the variance of the spectrum between the midpoints
         to its neighbours, so that every station has exactly the spectrum's variance. The period
-        exceeds the length by at least two of the longest waves.
+        exceeds the length by at least 2 / lowest frequency, and by 2 / width of the band; a peak of
+        a table that is narrower than 1 / period is as wide as that.
 
         The random numbers come from Philox4x32-10, with the seed as key and run, wave and track as
         counter; no deviate exceeds 8.5 standard deviations.
@@ -300,7 +301,10 @@ class Roughness:
         power law had no ends.
 
         Between its stations a profile is straight, which removes the share 1 - sinc⁴(n·spacing) of
-        the density at n: 6.4 % at 10 stations per wave, 1 % at 25.
+        the density at n: 6.4 % at 10 stations per wave, 1 % at 25. Its bends add short waves, the
+        density G(n) sinc⁴(m·spacing) at m = k/spacing ± n, k = 1, 2, …; dampers may feel them
+        (`damping_input`): by them the RMS load of a strongly damped gear was 5 % higher at 2
+        stations per shortest wave, 2 % at 4.
 
         Examples
         --------

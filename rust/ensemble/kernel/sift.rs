@@ -15,7 +15,7 @@ use crate::lanes::Lanes;
 use crate::transition::{Drive, State};
 
 /// Chunks of one run kept before those that no longer matter are thrown out.
-const MANY: usize = 32;
+const MANY: usize = 128;
 
 /// Chunks of one run that matter, kept before they are gone over again: this bounds the memory on a
 /// runway of any length, even if every wave brings the same load once more.

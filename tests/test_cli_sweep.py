@@ -67,7 +67,8 @@ def test_prints_what_the_library_says(case: Path, capsys: pytest.CaptureFixture[
     shares = found.max_acceleration["cg"] / rm.f4e().gravity
     above = knots[shares > 0.4][0]
     (station,) = (line.split() for line in printed.splitlines() if line.startswith("  cg "))
-    told = [shares.max(), knots[shares.argmax()], above]
+    over = found.position_of_max_acceleration["cg"][shares.argmax()]
+    told = [shares.max(), knots[shares.argmax()], round(over, 2), above]
     assert [float(text) for text in station[1:]] == pytest.approx(told, abs=1e-4)
     lost = knots[found.unloaded[:, 1]]
     assert f"left (at {lost.size} speeds, from {lost[0]:g} kt)" in printed

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -249,6 +250,27 @@ def test_where_loads_are_largest_and_smallest(
         np.testing.assert_allclose(UPHILL.elevation(where), under, rtol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("module", "aircraft"),
+    [(rm, rm.f4e()), (nonlinear, nonlinear.f4e())],
+    ids=["linear", "nonlinear"],
+)
+def test_where_accelerations_are_largest(module: Any, aircraft: Any) -> None:
+    nose, left, _ = aircraft.gears
+    points = {"nose": (nose.x, 3.0), "left": (left.x, 0.0), "tail": (left.x - 300.0, 0.0)}
+    aircraft = dataclasses.replace(aircraft, stations=points)
+    rolling = aircraft.modes(0.01) if module is rm else aircraft
+    response = module.simulate(rolling, UPHILL, rm.knots(100))
+    extremes = response.extremes()
+    when, where = extremes.time_of_max_acceleration, extremes.position_of_max_acceleration
+    assert list(where) == list(response.extremes().max_acceleration)
+    for gear, name in enumerate(("nose", "left")):
+        under = response.at(when[name]).elevation[0, gear]
+        assert UPHILL.elevation(where[name]) == pytest.approx(under, rel=1e-12)
+    behind = where["tail"] - when["tail"] * rm.knots(100)
+    assert behind == pytest.approx(where["left"] - when["left"] * rm.knots(100) - 300.0, abs=1e-9)
+
+
 def test_one_time_is_its_own_extreme() -> None:
     one = rm.simulate(craft().modes(0.01), PROFILES["mat"], rm.knots(20)).at(1.2345)
     extremes = one.extremes()
@@ -357,7 +379,11 @@ def test_extremes_show_names_and_numbers() -> None:
         ]  # fmt: skip
         np.testing.assert_allclose(numbers, [each[row] for each in expected], rtol=1e-5)
         assert lines[1 + row][0] == name
-    assert float(lines[5][-2]) == pytest.approx(found.max_acceleration["cg"], rel=1e-5)
+    of_cg = (
+        found.max_acceleration, found.time_of_max_acceleration, found.position_of_max_acceleration,
+    )  # fmt: skip
+    shown = [float(number) for number in lines[5][1:]]
+    np.testing.assert_allclose(shown, [each["cg"] for each in of_cg], rtol=1e-5)
     # Without gravity there is no static load to compare with.
     weightless = dataclasses.replace(rm.f4e(), gravity=0.0).modes(0.01)
     floating = rm.simulate(weightless, rm.Profile.full_mat(), rm.knots(20)).extremes()

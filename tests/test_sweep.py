@@ -66,7 +66,9 @@ def test_every_speed_is_a_run_of_its_own(profile: str, damping_input: bool) -> N
             alone = rm.simulate(modes, tracks, speed, damping_input=damping_input).extremes()
             for name in LOADS:
                 assert (getattr(sweep, name)[i] == getattr(alone, name)).all()
-            for name in ("max_acceleration", "time_of_max_acceleration"):
+            for name in (
+                "max_acceleration", "time_of_max_acceleration", "position_of_max_acceleration",
+            ):  # fmt: skip
                 assert list(getattr(sweep, name)) == ["cg", "pilot"]
                 at_speed = {station: each[i] for station, each in getattr(sweep, name).items()}
                 assert at_speed == getattr(alone, name)

@@ -76,7 +76,7 @@ def test_a_sweep_shows_every_result() -> None:
     sweep = rm.sweep(modes, MAT, rm.knots([60.0, 20.0]))
     table, data = sweep.to_pandas(INCHES), sweep.to_xarray(INCHES)
     assert table.columns[0] == "speed"
-    assert len(table.columns) == 1 + 6 * 3 + 2 * 2
+    assert len(table.columns) == 1 + 6 * 3 + 3 * 2
     np.testing.assert_array_equal(table["speed"], sweep.speed)
     for name, unit in (
         ("max_load", "lbf"), ("min_load", "lbf"), ("time_of_max", "s"), ("time_of_min", "s"),
@@ -85,7 +85,10 @@ def test_a_sweep_shows_every_result() -> None:
         np.testing.assert_array_equal(data[name].sel(gear="left"), getattr(sweep, name)[:, 1])
         np.testing.assert_array_equal(table[f"{name}_left"], getattr(sweep, name)[:, 1])
         assert data[name].attrs["units"] == table.attrs["units"][f"{name}_left"] == unit
-    for name, unit in (("max_acceleration", "in/s²"), ("time_of_max_acceleration", "s")):
+    for name, unit in (
+        ("max_acceleration", "in/s²"), ("time_of_max_acceleration", "s"),
+        ("position_of_max_acceleration", "in"),
+    ):  # fmt: skip
         expected = getattr(sweep, name)["pilot"]
         np.testing.assert_array_equal(data[name].sel(station="pilot"), expected)
         np.testing.assert_array_equal(table[f"{name}_pilot"], expected)

@@ -18,9 +18,12 @@ _LEVEL = Profile._wrap(_core.Profile.level())
 
 def lags(aircraft: Aircraft) -> list[float]:
     """Distance of each gear behind the foremost one."""
-    arms = [gear.x for gear in aircraft.gears]
-    front = max(arms)
-    return [front - arm for arm in arms]
+    return [lag(aircraft, gear.x) for gear in aircraft.gears]
+
+
+def lag(aircraft: Aircraft, x: float) -> float:
+    """Distance of a point of the aircraft behind the foremost gear, negative ahead of it."""
+    return max(gear.x for gear in aircraft.gears) - x
 
 
 def by_gear(names: tuple[str, ...], tracks: Profile | Mapping[str, Profile]) -> list[Profile]:

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from ._input import read_only
 from ._pickled import Pickled
 from ._text import table
-from ._tracks import lags
+from ._tracks import lag, lags
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import numpy as np
     from numpy.typing import NDArray
 
     from ._results import Aircraft
+
+#: One time, or one for each speed.
+_Times = TypeVar("_Times", "float", "NDArray[np.float64]")
 
 
 def positions(
@@ -22,6 +27,14 @@ def positions(
 ) -> NDArray[np.float64]:
     """Stations of the runway that gears are at, one column of times per gear."""
     return read_only(times * speed - lags(aircraft))
+
+
+def station_positions(
+    aircraft: Aircraft, speed: _Times, times: Mapping[str, _Times]
+) -> dict[str, _Times]:
+    """Stations of the runway that points of the aircraft are over, by name."""
+    points = aircraft.stations
+    return {name: at * speed - lag(aircraft, points[name][0]) for name, at in times.items()}
 
 
 def share(load: float, static: float) -> str:
@@ -71,8 +84,8 @@ class Extremes(Pickled):
     nose      8921.76   12939.7     1.450   2.70978   1097.66   4915.21   4.02387   1629.97
     left      23627.1   43685.9     1.849   3.26619    1043.8   3516.15   3.00471   937.879
     right     23627.1   43685.9     1.849   3.26619    1043.8   3516.15   3.00471   937.879
-    station  |accel.|      time
-    cg        296.625   3.00649
+    station  |accel.|      time  position
+    cg        296.625   3.00649   982.952
     """
 
     aircraft: Aircraft
@@ -104,18 +117,28 @@ class Extremes(Pickled):
         """Station of the runway under each gear at its smallest load, shape (g,) [length]."""
         return positions(self.aircraft, self.speed, self.time_of_min)
 
+    @property
+    def position_of_max_acceleration(self) -> dict[str, float]:
+        """Station of the runway below each point at its largest acceleration [length]."""
+        return station_positions(self.aircraft, self.speed, self.time_of_max_acceleration)
+
     def __repr__(self) -> str:
         """Make a table: one line per gear, one line per station."""
         shares = map(share, self.max_load, self.static_load)
         smallest = (self.min_load, self.time_of_min, self.position_of_min)
         largest = (self.max_load, shares, self.time_of_max, self.position_of_max)
-        accelerations = (self.max_acceleration.values(), self.time_of_max_acceleration.values())
+        accelerations = (
+            self.max_acceleration,
+            self.max_acceleration.values(),
+            self.time_of_max_acceleration.values(),
+            self.position_of_max_acceleration.values(),
+        )
         where = ("time", "position")
         return table(
             [
                 ("gear", "static", "max_load", "/ static", *where, "min_load", *where),
                 *zip(self.gear_names, self.static_load, *largest, *smallest, strict=True),
-                ("station", "|accel.|", "time"),
-                *zip(self.max_acceleration, *accelerations, strict=True),
+                ("station", "|accel.|", *where),
+                *zip(*accelerations, strict=True),
             ]
         )

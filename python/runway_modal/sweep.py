@@ -13,7 +13,7 @@ from ._input import any_array, array, flag, integer, number, read_only
 from ._pickled import Pickled
 from ._quantities import column_of
 from ._tracks import by_gear
-from .extremes import positions
+from .extremes import positions, station_positions
 from .modes import Modes, check_modes
 
 if TYPE_CHECKING:
@@ -85,6 +85,12 @@ class Sweep(Pickled):
     def position_of_min(self) -> NDArray[np.float64]:
         """Station of the runway under each gear at its smallest load, shape (s, g) [length]."""
         return positions(self.modes.aircraft, self.speed[:, None], self.time_of_min)
+
+    @property
+    def position_of_max_acceleration(self) -> dict[str, NDArray[np.float64]]:
+        """Station of the runway below each point at its largest acceleration [length]."""
+        times = self.time_of_max_acceleration
+        return station_positions(self.modes.aircraft, self.speed, times)
 
     @property
     def unloaded(self) -> NDArray[np.bool_]:
@@ -202,8 +208,8 @@ class Sweep(Pickled):
         -------
         pandas.DataFrame
             Columns speed, and max_load, time_of_max, position_of_max, min_load, time_of_min,
-            position_of_min, each with _<gear>, and max_acceleration and
-            time_of_max_acceleration, each with _<station>.
+            position_of_min, each with _<gear>, and max_acceleration, time_of_max_acceleration
+            and position_of_max_acceleration, each with _<station>.
 
         Raises
         ------

@@ -24,7 +24,11 @@ _OF_GEARS = {
     "position_of_min": LENGTH,
 }
 
-_OF_STATIONS = {"max_acceleration": ACCELERATION, "time_of_max_acceleration": TIME}
+_OF_STATIONS = {
+    "max_acceleration": ACCELERATION,
+    "time_of_max_acceleration": TIME,
+    "position_of_max_acceleration": LENGTH,
+}
 
 
 def quantities(sweep: Sweep) -> list[Quantity]:

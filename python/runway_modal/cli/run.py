@@ -72,10 +72,13 @@ def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) ->
         (extremes.min_load, extremes.time_of_min, extremes.position_of_min),
         ["UNLOADS" if lost else "" for lost in unloaded],
     )
-    yield f"  {'station':<{width}}   largest vertical acceleration [g]     at [s]"
+    over = f"over [{units.length}]"
+    yield f"  {'station':<{width}}   largest vertical acceleration [g]     at [s]{over:>14}"
     for station, value in extremes.max_acceleration.items():
         at = extremes.time_of_max_acceleration[station]
-        yield f"  {station:<{width}} {value / units.standard_gravity:35.4f} {at:10.4f}"
+        where = extremes.position_of_max_acceleration[station]
+        share = value / units.standard_gravity
+        yield f"  {station:<{width}} {share:35.4f} {at:10.4f}{where:14.2f}"
     if case.reference is None:
         yield from unloading([name for name, lost in zip(gears, unloaded, strict=True) if lost])
 
@@ -119,6 +122,7 @@ def _results(case: Case, name: str, response: Response | nonlinear.Response) -> 
         "unloaded": by_gear(response.unloaded),
         "max_acceleration": extremes.max_acceleration,
         "time_of_max_acceleration": extremes.time_of_max_acceleration,
+        "position_of_max_acceleration": extremes.position_of_max_acceleration,
         "history": {name: values.tolist() for name, values in history.items()},
     }
 

@@ -86,15 +86,17 @@ def _loads(case: Case, found: Sweep, knots: NDArray[np.float64]) -> Iterator[str
 
 
 def _accelerations(case: Case, found: Sweep, knots: NDArray[np.float64]) -> Iterator[str]:
-    width = name_width(case)
+    width, over = name_width(case), f"over [{case.units.length}]"
     above = f"first above {ACCELERATION_LIMIT} g [kt]"
-    yield f"  {'station':<{width}}   largest vertical acceleration [g]    at [kt] {above:>24}"
+    heads = f"   largest vertical acceleration [g]    at [kt]{over:>14} {above:>24}"
+    yield f"  {'station':<{width}}{heads}"
     for station, values in found.max_acceleration.items():
         shares = values / case.units.standard_gravity
         rough = knots[shares > ACCELERATION_LIMIT]
         first = f"{rough[0]:.4f}" if rough.size else "-"
         at = shares.argmax()
-        yield f"  {station:<{width}} {shares[at]:35.4f} {knots[at]:10.4f} {first:>24}"
+        where = found.position_of_max_acceleration[station][at]
+        yield f"  {station:<{width}} {shares[at]:35.4f} {knots[at]:10.4f}{where:14.2f} {first:>24}"
 
 
 def _proven(case: Case, tracks: Mapping[str, Profile], span: SpeedRange) -> Iterator[str]:

@@ -248,6 +248,20 @@ def on_cores(runs: int, stations: int, rounds: int) -> None:
     line("one thread / two", f"{quotient:.2f}", "≥ 1.8", quotient >= 1.8)
 
 
+def own_speeds(runs: int, stations: int, rounds: int) -> None:
+    """A speed for each run against one for all: what depends on it is worked out run by run."""
+    z = elevations(runs, stations)
+    speeds = SPEED * np.linspace(0.8, 1.2, runs)
+    turns = take_turns(
+        rounds,
+        each=partial(rm.simulate_many, MODES, z, SPACING, speeds),
+        one=partial(rm.simulate_many, MODES, z, SPACING, SPEED),
+    )
+    cost = 1e6 * (turns["each"].min() - turns["one"].min()) / runs
+    line(f"a speed for each of {runs} runs of {stations} stations", f"{cost:.1f} µs", "more a run")
+    line("... / one for all", f"{ratio(turns['each'], turns['one']):.2f}")
+
+
 def flatness(shapes: list[tuple[int, int]], rounds: int) -> None:
     print("\ncost a station and run")
     costs = []
@@ -267,4 +281,5 @@ if __name__ == "__main__":
     machine("runway_modal", "numpy", "numba", "pyyeti")
     against_peers(*((16, 100, 1) if quick else (1024, 2000, 12)))
     on_cores(*((16, 100, 1) if quick else (1024, 2000, 6)))
+    own_speeds(*((16, 100, 1) if quick else (1024, 1000, 6)))
     flatness([(8, 100)] if quick else [(8, 100), (800, 1000), (10_000, 100), (8, 100_000)], 5)

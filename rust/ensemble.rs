@@ -27,6 +27,7 @@ mod constants;
 mod kernel;
 mod records;
 mod setup;
+mod squares;
 mod vector;
 
 pub use ahead::Ahead;
@@ -317,12 +318,12 @@ fn simulate_on(
     pulse: Pulse,
 ) -> Result<Statistics> {
     plan.check(runs)?;
-    let shared = if plan.is_single() { Some(Lot::new(vec![plan.setup(0)?])) } else { None };
+    let shared =
+        if plan.is_single() { Some(Arc::new(Constants::new(arch, vec![plan.setup(0)?]))) } else { None };
     let blocks = (0..runs).step_by(RUNS).map(|first| first..(first + RUNS).min(runs));
     let workers = Tools::new();
     let parts = parallel::map(blocks, pulse, |block, pulse| {
-        let march = || shared.as_ref().map(|lot| lot.march(arch, plan.between));
-        let worker = || Worker { arch, plan, reader: source.reader(), march: march() };
+        let worker = || Worker { arch, plan, shared: shared.as_ref(), reader: source.reader(), march: None };
         workers.lend(worker, |worker| worker.block(block, pulse))
     })?;
     let mut all = Statistics::default();
@@ -332,85 +333,69 @@ fn simulate_on(
     Ok(all)
 }
 
-/// Runs that march side by side: set up alike, or each in its own way.
-struct Lot {
-    setups: Vec<Setup>,
-    constants: Constants,
-}
-
-impl Lot {
-    fn new(setups: Vec<Setup>) -> Self {
-        Self { constants: Constants::new(&setups), setups }
-    }
-
-    fn march(&self, arch: Arch, between: bool) -> March<'_> {
-        March::new(arch, between, &self.setups, &self.constants)
-    }
-}
-
 /// One thread's tools.
 struct Worker<'a, R> {
     arch: Arch,
     plan: &'a Plan,
-    reader: R,
     /// Of runs that are all set up alike.
-    march: Option<March<'a>>,
+    shared: Option<&'a Arc<Constants>>,
+    reader: R,
+    march: Option<March>,
 }
 
 impl<R: Reader> Worker<'_, R> {
     fn block(&mut self, runs: Range<usize>, pulse: Pulse) -> Result<Statistics> {
-        let Self { plan, reader, march, .. } = self;
         let mut found = Statistics::default();
-        if let Some(march) = march {
-            march_over(plan, march, reader, runs, &mut found, pulse)?;
+        if let Some(constants) = self.shared {
+            self.march_over(constants, runs, &mut found, pulse)?;
             return Ok(found);
         }
-        let mut setups: Vec<Setup> = runs.clone().map(|run| plan.setup(run)).collect::<Result<_>>()?;
+        let mut setups: Vec<Setup> = runs.clone().map(|run| self.plan.setup(run)).collect::<Result<_>>()?;
         let mut first = runs.start;
         while !setups.is_empty() {
             // Runs march side by side as far as their stations fall alike.
             let layout = Arc::clone(&setups[0].layout);
             let alike = setups.iter().take_while(|setup| setup.layout == layout).count();
             let others = setups.split_off(alike);
-            let lot = Lot::new(setups);
-            march_over(
-                plan,
-                &mut lot.march(self.arch, plan.between),
-                reader,
-                first..first + alike,
-                &mut found,
-                pulse,
-            )?;
+            let constants = Arc::new(Constants::new(self.arch, setups));
+            self.march_over(&constants, first..first + alike, &mut found, pulse)?;
             (setups, first) = (others, first + alike);
         }
         Ok(found)
     }
-}
 
-/// Runs up to [`RUNS`] profiles side by side.
-fn march_over(
-    plan: &Plan,
-    march: &mut March,
-    reader: &mut impl Reader,
-    runs: Range<usize>,
-    found: &mut Statistics,
-    pulse: Pulse,
-) -> Result<()> {
-    reader.open(runs.start, runs.len(), pulse)?;
-    march.start(reader);
-    let periods = march.layout.periods;
-    let mut watch = Watch::new(pulse);
-    for period in (0..periods).step_by(PERIODS) {
-        let count = PERIODS.min(periods - period);
-        if !watch.go_on((RUNS * count) as u32) {
-            return watch.outcome;
+    /// Runs up to [`RUNS`] profiles side by side.
+    fn march_over(
+        &mut self,
+        constants: &Arc<Constants>,
+        runs: Range<usize>,
+        found: &mut Statistics,
+        pulse: Pulse,
+    ) -> Result<()> {
+        let Self { arch, plan, reader, march, .. } = self;
+        let march = match march {
+            Some(march) if march.layout == constants.setups[0].layout => {
+                march.turn_to(constants);
+                march
+            }
+            _ => march.insert(March::new(*arch, plan.between, Arc::clone(constants))),
+        };
+        reader.open(runs.start, runs.len(), pulse)?;
+        march.start(reader);
+        let periods = march.layout.periods;
+        let mut watch = Watch::new(pulse);
+        for period in (0..periods).step_by(PERIODS) {
+            let count = PERIODS.min(periods - period);
+            if !watch.go_on((RUNS * count) as u32) {
+                return watch.outcome;
+            }
+            march.block(reader, plan.stations, period, count);
+            march.relieve(&mut watch);
         }
-        march.block(reader, plan.stations, period, count);
-        march.relieve(&mut watch);
+        march.block(reader, plan.stations, periods, 1);
+        march.finish(runs, found, &mut watch);
+        watch.outcome
     }
-    march.block(reader, plan.stations, periods, 1);
-    march.finish(runs, found, &mut watch);
-    watch.outcome
 }
 
 #[cfg(test)]

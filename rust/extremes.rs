@@ -39,7 +39,7 @@ use crate::transition::{Drive, State, Transition};
 use crate::watch::{Pulse, Watch};
 
 pub(crate) use self::lengths::Lengths;
-pub(crate) use self::output::Output;
+pub(crate) use self::output::{Hunt, Output};
 
 /// Pieces of a long segment whose ends are known before any is searched: a few cycles.
 const BATCH: usize = 32;
@@ -85,7 +85,7 @@ impl Extreme {
 /// The search over all outputs, piece by piece, between two times.
 struct Search<'a> {
     run: &'a Run,
-    outputs: Vec<Output>,
+    hunts: Vec<Hunt<'a>>,
     screens: Vec<Screen>,
     lengths: Lengths,
     heights: Heights,
@@ -138,20 +138,20 @@ impl Search<'_> {
     fn begin(&mut self, segment: &Segment, time: f64, state: &State) {
         if self.has_lines {
             self.heights.read(segment, time);
-            for output in &mut self.outputs {
-                output.line = output.form.line(segment, &self.heights);
+            for hunt in &mut self.hunts {
+                hunt.line = hunt.output.form.line(segment, &self.heights);
             }
         }
-        for (screen, outputs) in self.screens.iter_mut().zip(self.outputs.chunks_mut(LANES)) {
+        for (screen, hunts) in self.screens.iter_mut().zip(self.hunts.chunks_mut(LANES)) {
             if self.has_lines {
-                screen.read_lines(outputs);
+                screen.read_lines(hunts);
             }
             screen.start = screen.values(state, 0.0);
             if screen.start.any_above(screen.high) || screen.low.any_above(screen.start) {
-                for output in &mut *outputs {
-                    output.offer(state, time, 0.0);
+                for hunt in &mut *hunts {
+                    hunt.offer(state, time, 0.0);
                 }
-                screen.read_records(outputs);
+                screen.read_records(hunts);
             }
         }
     }
@@ -180,11 +180,11 @@ impl Search<'_> {
         }
         // The end of the segment, which the search may have stopped short of.
         let end = whole.apply(from, drive);
-        for output in &mut self.outputs {
-            output.offer(&end, time, dt);
+        for hunt in &mut self.hunts {
+            hunt.offer(&end, time, dt);
         }
-        for (screen, outputs) in self.screens.iter_mut().zip(self.outputs.chunks(LANES)) {
-            screen.read_records(outputs);
+        for (screen, hunts) in self.screens.iter_mut().zip(self.hunts.chunks(LANES)) {
+            screen.read_records(hunts);
         }
     }
 
@@ -193,9 +193,9 @@ impl Search<'_> {
         let bank = &self.run.oscillators;
         let r = self.lengths.of(departure(bank, drive, state));
         let steady = steady(bank, drive);
-        self.outputs.iter().any(|output| {
-            let (bottom, top) = output.range(steady, r, (tau, dt));
-            top > output.record.max || bottom < output.record.min
+        self.hunts.iter().any(|hunt| {
+            let (bottom, top) = hunt.range(steady, r, (tau, dt));
+            top > hunt.record.max || bottom < hunt.record.min
         })
     }
 
@@ -203,10 +203,10 @@ impl Search<'_> {
     #[inline(always)]
     fn piece(&mut self, ends: (&State, &State), drive: &Drive, (time, h): (f64, f64)) {
         let bank = (&self.run.oscillators, &self.lengths);
-        for (screen, outputs) in self.screens.iter_mut().zip(self.outputs.chunks_mut(LANES)) {
+        for (screen, hunts) in self.screens.iter_mut().zip(self.hunts.chunks_mut(LANES)) {
             let values = (screen.start, screen.values(ends.1, h));
             screen.start = values.1;
-            screen.check(outputs, bank, (ends, values), drive, (time, 0.0, h), &mut self.watch);
+            screen.check(hunts, bank, (ends, values), drive, (time, 0.0, h), &mut self.watch);
         }
     }
 
@@ -214,7 +214,7 @@ impl Search<'_> {
     #[inline(always)]
     fn pieces(&mut self, states: &[State], drive: &Drive, time: f64, tau: impl Fn(usize) -> f64, h: f64) {
         let bank = (&self.run.oscillators, &self.lengths);
-        for (screen, outputs) in self.screens.iter_mut().zip(self.outputs.chunks_mut(LANES)) {
+        for (screen, hunts) in self.screens.iter_mut().zip(self.hunts.chunks_mut(LANES)) {
             let mut values = [screen.start; BATCH + 1];
             for (piece, state) in states[1..].iter().enumerate() {
                 values[piece + 1] = screen.values(state, tau(piece) + h);
@@ -224,7 +224,7 @@ impl Search<'_> {
             for (piece, ends) in states.windows(2).enumerate() {
                 let values = (values[piece], values[piece + 1]);
                 screen.check(
-                    outputs,
+                    hunts,
                     bank,
                     ((&ends[0], &ends[1]), values),
                     drive,
@@ -281,11 +281,12 @@ impl Run {
         let heights = Heights::new(self, &forms);
         let has_lines = forms.iter().any(Form::has_line);
         let outputs: Vec<Output> = forms.into_iter().map(|form| Output::new(form, bank)).collect();
+        let hunts: Vec<Hunt> = outputs.iter().map(Hunt::new).collect();
         let mut search = Search {
             run: self,
-            screens: outputs.chunks(LANES).map(Screen::new).collect(),
+            screens: hunts.chunks(LANES).map(Screen::new).collect(),
             lengths: Lengths::new(bank),
-            outputs,
+            hunts,
             heights,
             has_lines,
             fastest: bank.fastest(),
@@ -299,7 +300,7 @@ impl Run {
         search.watch.outcome?;
         // What is no longer finite stays so, and sets no record: the last state tells of all.
         let last = search.last.d.dot(search.last.d) + search.last.v.dot(search.last.v);
-        let records: Vec<Extreme> = search.outputs.iter().map(|o| o.record.within(begin, end)).collect();
+        let records: Vec<Extreme> = search.hunts.iter().map(|hunt| hunt.record.within(begin, end)).collect();
         if !last.is_nan() && records.iter().all(|r| (r.max - r.min).is_finite()) {
             Ok(records)
         } else {

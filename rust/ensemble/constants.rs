@@ -1,6 +1,9 @@
 //! What the set-ups of runs side by side make of every period, number by number in rows.
 
+use pulp::Arch;
+
 use super::setup::{MODES, Reading, Setup};
+use super::squares::{Integrate, Square};
 use crate::lanes::Lanes;
 use crate::readout::Form;
 use crate::row::Row;
@@ -44,11 +47,13 @@ pub(super) struct Weights {
     pub span: Vec<Row>,
     pub leg: Vec<Row>,
     /// Of the moments of the periods and of the tail.
-    pub square: [Vec<Row>; 2],
+    pub square: Square,
 }
 
 /// Constants of the runs side by side.
 pub(super) struct Constants {
+    /// One for all of them, or one a run; in all of them, the stations fall alike.
+    pub setups: Vec<Setup>,
     /// Leg by leg, mode by mode.
     pub steps: Vec<[ModeStep; MODES]>,
     /// Rates of the static position ÷ ω and forces ÷ ω² per rise, group by group.
@@ -60,24 +65,24 @@ pub(super) struct Constants {
 }
 
 impl Constants {
-    pub fn new(setups: &[Setup]) -> Self {
+    pub fn new(arch: Arch, setups: Vec<Setup>) -> Self {
         let layout = &setups[0].layout;
         let (legs, groups) = (layout.legs, layout.groups.len());
         let step = |leg: usize, m: usize| ModeStep {
-            g: gather(setups, |s| s.transition[leg].g[m]),
-            s: gather(setups, |s| s.transition[leg].s[m]),
-            w: gather(setups, |s| s.transition[leg].w[m]),
-            h: gather(setups, |s| s.transition[leg].h[m]),
+            g: gather(&setups, |s| s.transition[leg].g[m]),
+            s: gather(&setups, |s| s.transition[leg].s[m]),
+            w: gather(&setups, |s| s.transition[leg].w[m]),
+            h: gather(&setups, |s| s.transition[leg].h[m]),
         };
-        let by_mode = |of: &dyn Fn(&Setup) -> Lanes| std::array::from_fn(|m| gather(setups, |s| of(s)[m]));
+        let by_mode = |of: &dyn Fn(&Setup) -> Lanes| std::array::from_fn(|m| gather(&setups, |s| of(s)[m]));
         let weights = |output: usize| {
             let by_group = |of: &dyn Fn(&Reading, &Setup, usize) -> f64| -> Vec<Row> {
-                (0..groups).map(|g| gather(setups, |s| of(&s.readings[output], s, g))).collect()
+                (0..groups).map(|g| gather(&setups, |s| of(&s.readings[output], s, g))).collect()
             };
             Weights {
                 state: std::array::from_fn(|part| {
                     let of = |form: &Form| [form.d, form.v][part / MODES][part % MODES];
-                    gather(setups, |s| of(&s.readings[output].output.form))
+                    gather(&setups, |s| of(&s.readings[output].output.form))
                 }),
                 rise: by_group(&|r, _, g| r.rise[g]),
                 end_rise: (0..legs)
@@ -87,26 +92,29 @@ impl Constants {
                 first: by_group(&|r, _, g| r.first[g]),
                 bulge: [0, 1].map(|kind| {
                     let rows = 0..setups[0].readings[output].bulge[kind].len();
-                    rows.map(|row| gather(setups, |s| s.readings[output].bulge[kind][row])).collect()
+                    rows.map(|row| gather(&setups, |s| s.readings[output].bulge[kind][row])).collect()
                 }),
                 span: (0..layout.kinks[output].len())
-                    .map(|kink| gather(setups, |s| s.readings[output].span[kink]))
+                    .map(|kink| gather(&setups, |s| s.readings[output].span[kink]))
                     .collect(),
-                leg: (0..legs).map(|leg| gather(setups, |s| s.readings[output].leg[leg])).collect(),
-                square: [0, 1].map(|kind| {
-                    let moments = 0..setups[0].readings[output].square[kind].len();
-                    moments.map(|at| gather(setups, |s| s.readings[output].square[kind][at])).collect()
-                }),
+                leg: (0..legs).map(|leg| gather(&setups, |s| s.readings[output].leg[leg])).collect(),
+                square: Square::default(),
             }
         };
-        Self {
+        let mut constants = Self {
             steps: (0..legs).map(|leg| std::array::from_fn(|m| step(leg, m))).collect(),
             climb: (0..groups).map(|g| by_mode(&|s| s.climb[g])).collect(),
             drag: (0..groups).map(|g| by_mode(&|s| s.drag[g])).collect(),
             weights: (0..setups[0].readings.len()).map(weights).collect(),
             from_station: (0..legs)
-                .map(|leg| (0..groups).map(|g| gather(setups, |s| s.begin[leg] - s.part[g])).collect())
+                .map(|leg| (0..groups).map(|g| gather(&setups, |s| s.begin[leg] - s.part[g])).collect())
                 .collect(),
+            setups,
+        };
+        let squares = arch.dispatch(Integrate { constants: &constants });
+        for (weights, square) in constants.weights.iter_mut().zip(squares) {
+            weights.square = square;
         }
+        constants
     }
 }

@@ -23,16 +23,16 @@
 //! Closures are not, so there are none in loops.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use pulp::{Arch, Simd, WithSimd};
 
 use super::ahead::Ahead;
 use super::constants::{Constants, States, of_lane};
 use super::records::Records;
-use super::setup::{Layout, MODES, Setup};
+use super::setup::{Layout, MODES};
 use super::vector::parts;
 use super::{Reader, Statistics};
-use crate::extremes::Output;
 use crate::row::{RUNS, Row};
 use crate::watch::Watch;
 
@@ -73,13 +73,12 @@ struct Ground {
 }
 
 /// Runs side by side and where they are.
-pub(super) struct March<'a> {
+pub(super) struct March {
     arch: Arch,
     /// Whether extremes are looked for between kinks too.
     between: bool,
-    setups: &'a [Setup],
-    pub layout: &'a Layout,
-    constants: &'a Constants,
+    constants: Arc<Constants>,
+    pub layout: Arc<Layout>,
     ground: Vec<Ground>,
     /// Elevations of the next block.
     ahead: Ahead,
@@ -107,15 +106,12 @@ pub(super) struct March<'a> {
     chunk_bounds: Vec<[ChunkBounds; PERIODS / CHUNK]>,
     /// Run by run.
     kept: [KeptChunks; RUNS],
-    /// Tools to search with, set-up by set-up, output by output.
-    searches: Vec<Vec<Output>>,
 }
 
-impl<'a> March<'a> {
+impl March {
     #[expect(clippy::large_stack_arrays, reason = "their way to the heap")]
-    pub fn new(arch: Arch, between: bool, setups: &'a [Setup], constants: &'a Constants) -> Self {
-        let layout = &*setups[0].layout;
-        let searches = |setup: &Setup| setup.readings.iter().map(|reading| reading.output.clone()).collect();
+    pub fn new(arch: Arch, between: bool, constants: Arc<Constants>) -> Self {
+        let layout = Arc::clone(&constants.setups[0].layout);
         let groups = layout.groups.len();
         let rows = layout.rows();
         let heights = if layout.heights { groups } else { 0 };
@@ -124,9 +120,6 @@ impl<'a> March<'a> {
         Self {
             arch,
             between,
-            setups,
-            layout,
-            constants,
             ground: vec![Ground { z: [ZERO; PERIODS + 1], rise: [ZERO; PERIODS + 1] }; groups],
             ahead: Ahead::default(),
             first: vec![ZERO; groups],
@@ -142,9 +135,15 @@ impl<'a> March<'a> {
             flaw: ZERO,
             records: Records::new(layout.loads, outputs),
             chunk_bounds: vec![[ChunkBounds { bend: ZERO, bounds: [ZERO; 2] }; PERIODS / CHUNK]; outputs],
-            kept: std::array::from_fn(|_| KeptChunks::new(layout, outputs)),
-            searches: setups.iter().map(searches).collect(),
+            kept: std::array::from_fn(|_| KeptChunks::new(&layout, outputs)),
+            constants,
+            layout,
         }
+    }
+
+    /// Other runs from now on, whose stations fall like those of the runs so far.
+    pub fn turn_to(&mut self, constants: &Arc<Constants>) {
+        self.constants = Arc::clone(constants);
     }
 
     /// Begins anew, at rest on the first elevations.
@@ -184,7 +183,7 @@ impl<'a> March<'a> {
     /// Marches over the next block, `count` periods from `period` on; after the last period, over the tail.
     pub fn block(&mut self, reader: &mut impl Reader, stations: usize, period: usize, count: usize) {
         let Self { arch, layout, ground, ahead, .. } = self;
-        arch.dispatch(Read { layout, ground, ahead, reader, stations, period, count });
+        arch.dispatch(Read { layout: &*layout, ground, ahead, reader, stations, period, count });
         arch.dispatch(Pass { march: self, over: Over::Next { period, count } });
     }
 
@@ -203,12 +202,11 @@ impl<'a> March<'a> {
         while self.go_back(runs) {
             self.arch.dispatch(Pass { march: self, over: Over::Kept });
         }
-        let last = self.searches.len() - 1;
         for lane in (0..RUNS).filter(|&lane| runs[lane]) {
             self.kept[lane].restart();
-            let setup = of_lane(self.setups, lane);
-            for (output, search) in self.searches[lane.min(last)].iter_mut().enumerate() {
-                self.records.settle(setup, (output, lane), search, watch);
+            let setup = of_lane(&self.constants.setups, lane);
+            for output in 0..setup.readings.len() {
+                self.records.settle(setup, (output, lane), watch);
             }
         }
     }
@@ -231,7 +229,7 @@ impl<'a> March<'a> {
     }
 
     fn read(&self, lane: usize, out: &mut Statistics) {
-        let setup = of_lane(self.setups, lane);
+        let setup = of_lane(&self.constants.setups, lane);
         for (output, square) in self.squares.iter().enumerate() {
             let (mut max, mut min, mut rms) = (f64::NAN, f64::NAN, f64::NAN);
             if self.is_finite(lane) {
@@ -292,8 +290,8 @@ impl<R: Reader> WithSimd for Read<'_, R> {
 }
 
 /// See [`March::block`] and [`March::search`].
-struct Pass<'m, 'a> {
-    march: &'m mut March<'a>,
+struct Pass<'m> {
+    march: &'m mut March,
     over: Over,
 }
 
@@ -305,7 +303,7 @@ enum Over {
     Kept,
 }
 
-impl WithSimd for Pass<'_, '_> {
+impl WithSimd for Pass<'_> {
     type Output = ();
 
     #[inline(always)]

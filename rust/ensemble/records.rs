@@ -4,7 +4,7 @@ use pulp::Simd;
 
 use super::setup::Setup;
 use super::vector::{Part, Vector};
-use crate::extremes::{Extreme, Output};
+use crate::extremes::{Extreme, Hunt};
 use crate::readout::Line;
 use crate::row::{RUNS, Row};
 use crate::transition::{Drive, State};
@@ -91,35 +91,29 @@ impl Records {
     }
 
     /// Searches the legs kept for an output of one run.
-    pub fn settle(
-        &mut self,
-        setup: &Setup,
-        (output, lane): (usize, usize),
-        search: &mut Output,
-        watch: &mut Watch,
-    ) {
+    pub fn settle(&mut self, setup: &Setup, (output, lane): (usize, usize), watch: &mut Watch) {
         let Record { best, candidates } = &mut self.records[output];
         let magnitude = output >= self.loads;
-        search.record =
-            Extreme { max: best[0][lane], time_of_max: 0.0, min: -best[1][lane], time_of_min: 0.0 };
+        let mut hunt = Hunt::new(&setup.readings[output].output);
+        hunt.record = Extreme { max: best[0][lane], time_of_max: 0.0, min: -best[1][lane], time_of_min: 0.0 };
         for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
             let list = &mut candidates[side][lane];
             // The most promising first: it outdoes most of the others.
             list.sort_by(|one, other| other.bound.total_cmp(&one.bound));
             for Candidate { bound, leg, state, drive, start, growth } in list.drain(..) {
-                let (max, min) = (search.record.max, -search.record.min);
+                let (max, min) = (hunt.record.max, -hunt.record.min);
                 let record = if magnitude { max.max(min) } else { [max, min][side] };
                 if bound <= record {
                     break;
                 }
                 let h = setup.dt[leg];
-                search.line = Line { start, rate: growth / h };
+                hunt.line = Line { start, rate: growth / h };
                 let end = setup.transition[leg].apply(&state, &drive);
                 let bank = (&setup.bank, &*setup.lengths);
-                search.search(bank, (&state, &end), &drive, (0.0, 0.0, h), &[(sign, bound)], watch);
+                hunt.search(bank, (&state, &end), &drive, (0.0, 0.0, h), &[(sign, bound)], watch);
             }
         }
-        let (max, min) = (search.record.max, -search.record.min);
+        let (max, min) = (hunt.record.max, -hunt.record.min);
         let found = if magnitude { [max.max(min); 2] } else { [max, min] };
         for (best, found) in best.iter_mut().zip(found) {
             best[lane] = found;

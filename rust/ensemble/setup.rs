@@ -7,8 +7,6 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector};
-
 use crate::distance::Distance;
 use crate::error::{Error, Place, Result};
 use crate::extremes::{Lengths, Output};
@@ -26,17 +24,8 @@ pub(super) const MODES: usize = 3;
 /// More spacings than this between two gears are a slip in the units.
 const LONGEST_LAG: f64 = 1e8;
 
-/// Nodes of Gauss's rule on (−1, 1), one half, with their weights: exact to double precision over a
-/// radian of the stiffest mode.
-const GAUSS: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_47),
-    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
-];
-
 /// Where the stations of a group of gears fall.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Group {
     /// Whose elevations it meets.
     pub track: usize,
@@ -47,7 +36,7 @@ pub(super) struct Group {
 }
 
 /// What runs side by side must have in common.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Layout {
     /// In the order of their legs.
     pub groups: Vec<Group>,
@@ -108,7 +97,6 @@ impl Layout {
 }
 
 /// One output: its form with what the constants of a period add.
-#[derive(Clone)]
 pub(super) struct Reading {
     pub output: Output,
     /// Weights of the rises over a spacing, one a group.
@@ -125,13 +113,9 @@ pub(super) struct Reading {
     /// each kink, and of each leg.
     pub span: Vec<f64>,
     pub leg: Vec<f64>,
-    /// Weights of the products of a period's rows, lower triangle, in ∫F² over a period and over the
-    /// tail.
-    pub square: [Vec<f64>; 2],
 }
 
 /// All that the runs of one set-up share.
-#[derive(Clone)]
 pub(super) struct Setup {
     pub layout: Arc<Layout>,
     /// Share of a period at which each leg begins, and each group meets its station.
@@ -315,7 +299,6 @@ impl Setup {
         let pace = speed / spacing;
         let readings = forms.into_iter().enumerate();
         setup.readings = readings.map(|(output, form)| setup.reading(output, form, order, pace)).collect();
-        setup.integrate();
         Ok(setup)
     }
 
@@ -347,7 +330,7 @@ impl Setup {
         let by_swing = self.bound([Lanes::ZERO; 2], self.lengths.bound_weights(output.amplitude));
         let scaled = |bound: Vec<f64>, scale: f64| bound.iter().map(|weight| weight * scale).collect();
         let bulge = [scaled(by_bend, longest * longest / 8.0), scaled(by_swing, 2.0 * swings as f64)];
-        Reading { rise, height, first, rate, bulge, span, leg, square: [Vec::new(), Vec::new()], output }
+        Reading { output, rise, height, first, rate, bulge, span, leg }
     }
 
     /// A bound on |F″| over all legs of a period.
@@ -386,167 +369,5 @@ impl Setup {
         let after = (0..self.layout.groups.len()).map(share);
         let before = self.layout.inner().map(|group| 2.0 * share(group));
         states.chain(after).chain(before).collect()
-    }
-
-    /// Fills in each reading's `square`: the weights that make ∫F² of the moments.
-    fn integrate(&mut self) {
-        let (layout, groups) = (Arc::clone(&self.layout), self.layout.groups.len());
-        let from_period = self.legs_from_period();
-        let mut at = from_period[0].clone();
-        let rows = layout.rows();
-        let mut squares = vec![[DMatrix::zeros(rows, rows), DMatrix::zeros(rows, rows)]; self.readings.len()];
-        let forms: Vec<_> = self.readings.iter().map(|reading| self.functional(reading)).collect();
-        let mut work = DVector::zeros(at.nrows());
-        for leg in 0..layout.legs {
-            for (gramian, [whole, tail]) in self.gramians(&forms, self.dt[leg]).iter().zip(&mut squares) {
-                whole.quadform_with_workspace(&mut work, 1.0, gramian, &at, 1.0);
-                if leg < layout.tail {
-                    tail.copy_from(whole);
-                }
-            }
-            let after = self.matrix(self.dt[leg]) * &at;
-            if leg + 1 == layout.legs {
-                for squares in &mut squares {
-                    self.eliminate_rises_before(&after, &mut squares[0]);
-                }
-            } else {
-                at = after;
-                let rises = 2 * MODES..2 * MODES + groups;
-                for row in rises {
-                    at.set_row(row, &from_period[leg + 1].row(row));
-                }
-            }
-        }
-        for (reading, squares) in self.readings.iter_mut().zip(squares) {
-            reading.square = squares.map(|square| {
-                let twice = |row: usize, column: usize| if row == column { 1.0 } else { 2.0 };
-                let entries = (0..rows).flat_map(|row| (0..=row).map(move |column| (row, column)));
-                entries.map(|at| twice(at.0, at.1) * square[at]).collect()
-            });
-        }
-    }
-
-    /// Rewrites a form over whole periods so that some products need not be added up: those of the rises
-    /// before stations inside a period, b, with each other and with the state at its start, s.
-    ///
-    /// These rises are those after the same stations a period earlier, a, and nothing has risen before
-    /// the first period: b_i = a_{i−1}, b_0 = 0. With x_i the rows of period i and s_{i+1} = T x_i, the
-    /// first rows of `after`,
-    ///
-    ///   Σ b_i b_iᵀ = Σ a_i a_iᵀ − a_end a_endᵀ,   Σ b_i s_iᵀ = Σ a_i (T x_i)ᵀ − a_end s_endᵀ,
-    ///
-    /// where a_end belongs to the last period and s_end is the state after it. So the weights of the
-    /// sums on the left are added to those of the sums on the right. They also stay where they are:
-    /// [`March::close_moments`](super::kernel::March::close_moments) puts the two terms of the end in
-    /// the place of the sums on the left.
-    fn eliminate_rises_before(&self, after: &DMatrix<f64>, square: &mut DMatrix<f64>) {
-        let inner: Vec<(usize, usize)> =
-            self.layout.inner_rows().zip(self.layout.inner().map(|group| 2 * MODES + group)).collect();
-        for &(row, earlier) in &inner {
-            // 2 b Q s = 2 a (Q T) x: half of it on either side of the diagonal.
-            let weights = square.view((row, 0), (1, 2 * MODES)) * after.rows(0, 2 * MODES);
-            for (column, weight) in weights.iter().enumerate() {
-                square[(column, earlier)] += weight;
-                square[(earlier, column)] += weight;
-            }
-            for &(column, as_early) in &inner {
-                square[(earlier, as_early)] += square[(row, column)];
-            }
-        }
-    }
-
-    /// For each leg, its vector (d, ẏ/ω, rises, heights, first elevations) from a period's rows: the
-    /// rises are those on that leg, all else stands as at the start of the period.
-    fn legs_from_period(&self) -> Vec<DMatrix<f64>> {
-        let layout = &self.layout;
-        let groups = layout.groups.len();
-        let rows = layout.rows();
-        let inner: Vec<usize> = layout.inner().collect();
-        let extra = if layout.heights { 2 * groups } else { 0 };
-        let of_leg = |leg: usize| {
-            let mut select = DMatrix::zeros(2 * MODES + groups + extra, rows);
-            for state in 0..2 * MODES {
-                select[(state, state)] = 1.0;
-            }
-            for group in 0..groups {
-                let before =
-                    inner.iter().position(|&g| g == group).filter(|_| layout.groups[group].leg > leg);
-                let column = before.map_or(group, |place| groups + place);
-                select[(2 * MODES + group, 2 * MODES + column)] = 1.0;
-            }
-            for height in 0..extra {
-                select[(2 * MODES + groups + height, rows - extra + height)] = 1.0;
-            }
-            select
-        };
-        (0..layout.legs).map(of_leg).collect()
-    }
-
-    /// A reading on a leg's vector.
-    fn functional(&self, reading: &Reading) -> DVector<f64> {
-        let (Form { d, v, .. }, Reading { rise, height, first, .. }) = (&reading.output.form, reading);
-        let mut weights = [&d.0[..MODES], &v.0[..MODES], rise].concat();
-        if self.layout.heights {
-            weights.extend([&height[..], first].concat());
-        }
-        DVector::from_vec(weights)
-    }
-
-    /// Transition of a leg's vector over a time.
-    fn matrix(&self, time: f64) -> DMatrix<f64> {
-        let groups = self.layout.groups.len();
-        let size = 2 * MODES + groups + if self.layout.heights { 2 * groups } else { 0 };
-        let mut matrix = DMatrix::identity(size, size);
-        let Transition { g, s, w, h, .. } = self.bank.over(time);
-        for mode in 0..MODES {
-            let (d, v) = (mode, MODES + mode);
-            matrix[(d, d)] -= g[mode];
-            matrix[(d, v)] = s[mode];
-            matrix[(v, d)] = -s[mode];
-            matrix[(v, v)] -= w[mode];
-            for group in 0..groups {
-                let (beta, gamma) = (self.climb[group][mode], self.drag[group][mode]);
-                matrix[(d, 2 * MODES + group)] = g[mode] * gamma - h[mode] * beta;
-                matrix[(v, 2 * MODES + group)] = g[mode] * beta + s[mode] * gamma;
-            }
-        }
-        if self.layout.heights {
-            let period: f64 = self.dt.iter().sum();
-            for group in 0..groups {
-                let height = 2 * MODES + groups + group;
-                if group != self.layout.datum {
-                    matrix[(height, 2 * MODES + self.layout.datum)] -= time / period;
-                }
-                matrix[(height, 2 * MODES + group)] += time / period;
-            }
-        }
-        matrix
-    }
-
-    /// ∫ (form · transition)ᵀ (form · transition) over a leg: by Gauss's rule over a radian of the
-    /// stiffest mode, W(2t) = W(t) + E(t)ᵀ W(t) E(t) beyond.
-    fn gramians(&self, forms: &[DVector<f64>], time: f64) -> Vec<DMatrix<f64>> {
-        let (doublings, mut time) = self.bank.halved(time);
-        let size = forms.first().map_or(0, DVector::len);
-        let mut sums = vec![DMatrix::zeros(size, size); forms.len()];
-        let mut row = DVector::zeros(size);
-        for (node, weight) in GAUSS {
-            for node in [-node, node] {
-                let step = self.matrix(0.5 * time * (1.0 + node));
-                for (sum, form) in sums.iter_mut().zip(forms) {
-                    step.tr_mul_to(form, &mut row);
-                    sum.ger(0.5 * time * weight, &row, &row, 1.0);
-                }
-            }
-        }
-        for _ in 0..doublings {
-            let step = self.matrix(time);
-            for sum in &mut sums {
-                let first = sum.clone();
-                sum.quadform_with_workspace(&mut row, 1.0, &first, &step, 1.0);
-            }
-            time *= 2.0;
-        }
-        sums
     }
 }

@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 
 use super::lengths::{Lengths, SlowFast, departure, steady};
-use super::output::Output;
+use super::output::{Hunt, Output};
 use crate::transition::{Drive, Oscillators, State};
 use crate::watch::Watch;
 
@@ -18,7 +18,7 @@ pub(super) struct Climb<'a> {
     pub bank: &'a Oscillators,
     pub lengths: &'a Lengths,
     pub drive: &'a Drive,
-    pub output: &'a Output,
+    pub hunt: &'a Hunt<'a>,
     pub sign: f64,
     pub slack: f64,
     pub best: f64,
@@ -29,9 +29,9 @@ impl Climb<'_> {
     /// F, F′ and F″ at a state `tau` after the start of the line.
     #[inline(always)]
     fn jet(&self, state: &State, tau: f64) -> [f64; 3] {
-        let Output { form, slope, bend, line, .. } = self.output;
+        let Hunt { output: Output { slope, bend, .. }, line, .. } = self.hunt;
         let (y, w) = departure(self.bank, self.drive, state);
-        let value = form.value(state) + (line.start + line.rate * tau);
+        let value = self.hunt.value(state, tau);
         let slope = slope[0].dot(y) + slope[1].dot(w) + line.rate;
         let bend = bend[0].dot(y) + bend[1].dot(w);
         [value, slope, bend].map(|part| self.sign * part)
@@ -53,7 +53,8 @@ impl Climb<'_> {
         self.offer(f0, tau);
         self.offer(f1, tau + h);
         let r = self.lengths.of(departure(self.bank, self.drive, from));
-        let (second, third) = (self.output.second.dot(r), self.output.third.dot(r));
+        let Output { second, third, .. } = self.hunt.output;
+        let (second, third) = (second.dot(r), third.dot(r));
         let steepest = second.min(0.5 * (bend0.abs() + bend1.abs() + third * h));
         let enough = self.best + self.slack;
         if f0.max(f1) + steepest * h * h / 8.0 <= enough || one_sign(slope0, slope1, steepest * h) {
@@ -70,18 +71,18 @@ impl Climb<'_> {
             return true;
         }
         // Where hardly any amplitude is left, however long the piece.
-        let (bottom, top) = self.output.range(steady(self.bank, self.drive), r, (tau, tau + h));
+        let (bottom, top) = self.hunt.range(steady(self.bank, self.drive), r, (tau, tau + h));
         (if self.sign > 0.0 { top } else { -bottom }) <= enough
     }
 
     /// Whether F‴ has one sign.
     fn bends_one_way(&self, from: &State, to: &State, r: SlowFast, h: f64) -> bool {
-        let [y, w] = self.output.jerk;
+        let Output { jerk: [y, w], fourth, .. } = self.hunt.output;
         let jerk = |state| {
             let departure = departure(self.bank, self.drive, state);
             y.dot(departure.0) + w.dot(departure.1)
         };
-        one_sign(jerk(from), jerk(to), self.output.fourth.dot(r) * h)
+        one_sign(jerk(from), jerk(to), fourth.dot(r) * h)
     }
 
     /// The one zero of F′ in a piece on which F is concave: Newton's method in a bracket.

@@ -1,4 +1,4 @@
-//! One output: its weights, the bounds that follow from them, and its record.
+//! One output: its weights, the bounds that follow from them, and the hunt for its record.
 
 use super::Extreme;
 use super::climb::{Climb, Piece, climb};
@@ -13,7 +13,6 @@ use crate::watch::Watch;
 pub(super) const TIE: f64 = 4.0 * f64::EPSILON;
 
 /// An output with the bounds that follow from its weights.
-#[derive(Clone)]
 pub(crate) struct Output {
     pub form: Form,
     /// Weights of y and ẏ/ω in F′.
@@ -30,6 +29,11 @@ pub(crate) struct Output {
     pub(super) third: SlowFast,
     /// Σ fourth · r bounds |F⁗|.
     pub(super) fourth: SlowFast,
+}
+
+/// The hunt for an output's extremes: its straight-line part at present, and its record so far.
+pub(crate) struct Hunt<'a> {
+    pub output: &'a Output,
     pub line: Line,
     pub record: Extreme,
 }
@@ -56,15 +60,26 @@ impl Output {
                 fourth.0[part][i] = size * rate * rate * rate * rate;
             }
         }
+        Self { form, slope, bend, jerk, amplitude, second, third, fourth }
+    }
+}
+
+impl<'a> Hunt<'a> {
+    pub fn new(output: &'a Output) -> Self {
         let record =
             Extreme { max: f64::NEG_INFINITY, time_of_max: 0.0, min: f64::INFINITY, time_of_min: 0.0 };
-        let line = Line { start: form.constant, rate: 0.0 };
-        Self { form, slope, bend, jerk, amplitude, second, third, fourth, line, record }
+        Self { output, line: Line { start: output.form.constant, rate: 0.0 }, record }
+    }
+
+    /// The value at a state `tau` after the start of the line.
+    #[inline(always)]
+    pub(super) fn value(&self, state: &State, tau: f64) -> f64 {
+        self.output.form.value(state) + (self.line.start + self.line.rate * tau)
     }
 
     /// Offers the value at a state `tau` after `time`, where the line starts.
     pub(super) fn offer(&mut self, state: &State, time: f64, tau: f64) {
-        let value = self.form.value(state) + (self.line.start + self.line.rate * tau);
+        let value = self.value(state, tau);
         self.record.offer(value, time + tau, self.slack());
     }
 
@@ -88,8 +103,7 @@ impl Output {
                 // A bound that says nothing would have every piece halved for ever.
                 self.record.max = f64::NAN;
             } else if bound > best + slack {
-                let mut search =
-                    Climb { bank, lengths, drive, output: self, sign, slack, best, at: f64::NAN };
+                let mut search = Climb { bank, lengths, drive, hunt: self, sign, slack, best, at: f64::NAN };
                 climb(&mut search, Piece { from: *from, to: *to, tau, h, halvings: 0 }, watch);
                 if search.best > best {
                     let (value, at) = (sign * search.best, time + search.at);
@@ -106,7 +120,7 @@ impl Output {
         lengths: SlowFast,
         (tau, later): (f64, f64),
     ) -> (f64, f64) {
-        let Self { form, line, amplitude, .. } = self;
+        let Self { output: Output { form, amplitude, .. }, line, .. } = self;
         let level = form.d.dot(y) + form.v.dot(w) + line.start;
         let (a, b) = (level + line.rate * tau, level + line.rate * later);
         let swing = amplitude.dot(lengths);

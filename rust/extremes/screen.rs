@@ -1,7 +1,7 @@
 //! The test that dismisses nearly every piece, four outputs side by side.
 
 use super::lengths::{Lengths, SlowFast, departure};
-use super::output::{Output, TIE};
+use super::output::{Hunt, Output, TIE};
 use crate::lanes::{LANES, Lanes};
 use crate::transition::{Drive, Oscillators, State};
 use crate::watch::Watch;
@@ -22,11 +22,11 @@ pub(super) struct Screen {
 }
 
 impl Screen {
-    pub fn new(outputs: &[Output]) -> Self {
+    pub fn new(hunts: &[Hunt]) -> Self {
         let gather = |part: &dyn Fn(&Output) -> f64| {
             let mut lanes = Lanes::ZERO;
-            for (lane, output) in outputs.iter().enumerate() {
-                lanes[lane] = part(output);
+            for (lane, hunt) in hunts.iter().enumerate() {
+                lanes[lane] = part(hunt.output);
             }
             lanes
         };
@@ -41,21 +41,21 @@ impl Screen {
         let none = Lanes::ZERO;
         let ahead = (Lanes::all(f64::NEG_INFINITY), Lanes::all(f64::INFINITY));
         let mut screen = Self { weights, line: none, rate: none, start: none, high: none, low: none, ahead };
-        screen.read_lines(outputs);
-        screen.read_records(outputs);
+        screen.read_lines(hunts);
+        screen.read_records(hunts);
         screen
     }
 
-    pub fn read_lines(&mut self, outputs: &[Output]) {
-        for (lane, output) in outputs.iter().enumerate() {
-            (self.line[lane], self.rate[lane]) = (output.line.start, output.line.rate);
+    pub fn read_lines(&mut self, hunts: &[Hunt]) {
+        for (lane, hunt) in hunts.iter().enumerate() {
+            (self.line[lane], self.rate[lane]) = (hunt.line.start, hunt.line.rate);
         }
     }
 
-    pub fn read_records(&mut self, outputs: &[Output]) {
-        for (lane, output) in outputs.iter().enumerate() {
-            let slack = output.slack();
-            (self.high[lane], self.low[lane]) = (output.record.max + slack, output.record.min - slack);
+    pub fn read_records(&mut self, hunts: &[Hunt]) {
+        for (lane, hunt) in hunts.iter().enumerate() {
+            let slack = hunt.slack();
+            (self.high[lane], self.low[lane]) = (hunt.record.max + slack, hunt.record.min - slack);
         }
         (self.high, self.low) = (self.high.max(self.ahead.0), self.low.min(self.ahead.1));
     }
@@ -101,7 +101,7 @@ impl Screen {
     #[inline(always)]
     pub fn check(
         &mut self,
-        outputs: &mut [Output],
+        hunts: &mut [Hunt],
         bank: (&Oscillators, &Lengths),
         (ends, values): ((&State, &State), (Lanes, Lanes)),
         drive: &Drive,
@@ -111,13 +111,13 @@ impl Screen {
         let lengths = bank.1.at_most(departure(bank.0, drive, ends.0));
         let (top, bottom) = self.bounds(values, lengths, h);
         if top.any_above(self.high) || self.low.any_above(bottom) {
-            for (lane, output) in outputs.iter_mut().enumerate() {
+            for (lane, hunt) in hunts.iter_mut().enumerate() {
                 if top[lane] > self.high[lane] || bottom[lane] < self.low[lane] {
                     let signs = [(1.0, top[lane]), (-1.0, -bottom[lane])];
-                    output.search(bank, ends, drive, (time, tau, h), &signs, watch);
+                    hunt.search(bank, ends, drive, (time, tau, h), &signs, watch);
                 }
             }
-            self.read_records(outputs);
+            self.read_records(hunts);
         }
     }
 }

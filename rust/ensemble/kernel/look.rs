@@ -21,7 +21,7 @@ pub(super) struct ChunkBounds {
     pub bounds: [Row; 2],
 }
 
-impl March<'_> {
+impl March {
     /// Looks at all outputs at the ends of the block and at kinks, where their slopes may jump; keeps the
     /// chunks that may hold a record in between. Returns the chunks to sift at once.
     #[inline(always)]
@@ -81,7 +81,7 @@ impl March<'_> {
     }
 }
 
-impl<S: Simd, const RATES: bool, const LINES: bool> View<'_, '_, S, RATES, LINES> {
+impl<S: Simd, const RATES: bool, const LINES: bool> View<'_, S, RATES, LINES> {
     /// See [`March::look`]; `over` holds by how much the runs may break a record on each chunk.
     #[inline(always)]
     fn look(

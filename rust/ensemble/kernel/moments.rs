@@ -5,10 +5,11 @@ use std::ops::Range;
 use pulp::Simd;
 
 use super::super::setup::MODES;
+use super::super::squares::triangle_index;
 use super::super::vector::{Part, Vector, parts};
 use super::{March, Row};
 
-impl March<'_> {
+impl March {
     /// Adds up the products of the rows of a block's periods, and leaves in `norms` the roots of the
     /// block's own sums of squares.
     #[inline(always)]
@@ -61,7 +62,7 @@ impl March<'_> {
 
     /// Puts −a_end a_endᵀ and −a_end s_endᵀ where the sums of products that `find_moments` skips would
     /// stand: what the other sums lack of them, once their weights have been moved there. See
-    /// [`Setup::eliminate_rises_before`](super::super::setup::Setup::eliminate_rises_before).
+    /// [`squares`](super::super::squares).
     #[inline(always)]
     pub(super) fn close_moments<S: Simd>(&mut self, simd: S) {
         let Self { layout, ground, state, moments, .. } = self;
@@ -103,12 +104,6 @@ impl March<'_> {
             }
         }
     }
-}
-
-/// Where the product of two rows stands among the moments.
-#[inline(always)]
-fn triangle_index(row: usize, column: usize) -> usize {
-    row * (row + 1) / 2 + column
 }
 
 /// Three rows; the last one in place of those that are lacking.

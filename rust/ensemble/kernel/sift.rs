@@ -146,7 +146,7 @@ impl ChunkBounds {
     }
 }
 
-impl March<'_> {
+impl March {
     /// Keeps a chunk of the block for a run.
     pub(super) fn keep(&mut self, chunk: usize, lane: usize) {
         let Self { ground, states, chunk_bounds, kept, records, .. } = self;
@@ -267,7 +267,7 @@ impl March<'_> {
     }
 }
 
-impl<S: Simd, const RATES: bool, const LINES: bool> View<'_, '_, S, RATES, LINES> {
+impl<S: Simd, const RATES: bool, const LINES: bool> View<'_, S, RATES, LINES> {
     /// See [`March::sift`].
     #[inline(always)]
     fn sift(&self, records: &mut Records, chunk: usize) {

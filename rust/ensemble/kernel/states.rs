@@ -6,7 +6,7 @@ use super::super::setup::MODES;
 use super::super::vector::{Part, Vector, parts};
 use super::{Ground, March, Push};
 
-impl March<'_> {
+impl March {
     /// Rises, states and, where they are needed, heights at the start of every leg; in the tail there
     /// are fewer legs.
     #[inline(always)]

@@ -14,8 +14,8 @@ pub(super) type LegStart = (usize, usize);
 
 /// One output of a register's runs over a block; `RATES` where velocities enter, `LINES` where slopes
 /// or elevations do, so that it may jump.
-pub(super) struct View<'m, 'a, S: Simd, const RATES: bool, const LINES: bool> {
-    pub march: &'m March<'a>,
+pub(super) struct View<'m, S: Simd, const RATES: bool, const LINES: bool> {
+    pub march: &'m March,
     pub part: Part<S>,
     pub output: usize,
     weights: States<Vector<S>>,
@@ -47,9 +47,9 @@ macro_rules! with_view {
 }
 pub(super) use with_view;
 
-impl<'m, 'a, S: Simd, const RATES: bool, const LINES: bool> View<'m, 'a, S, RATES, LINES> {
+impl<'m, S: Simd, const RATES: bool, const LINES: bool> View<'m, S, RATES, LINES> {
     #[inline(always)]
-    pub fn new(march: &'m March<'a>, part: Part<S>, output: usize, (count, legs): (usize, usize)) -> Self {
+    pub fn new(march: &'m March, part: Part<S>, output: usize, (count, legs): (usize, usize)) -> Self {
         let weights = part.load_all(&march.constants.weights[output].state);
         let kinks = &march.layout.kinks[output][..];
         let kinks = &kinks[..kinks.partition_point(|&leg| leg < legs)];
@@ -118,7 +118,7 @@ impl<'m, 'a, S: Simd, const RATES: bool, const LINES: bool> View<'m, 'a, S, RATE
     }
 }
 
-impl March<'_> {
+impl March {
     /// What elevations and slopes add to values at the starts, or just before the ends, of legs.
     #[inline(always)]
     pub(super) fn lines<S: Simd>(

@@ -286,7 +286,7 @@ pub(crate) trait Visitor {
 /// Visits every segment that begins at or before `end` (and a few more), unless stopped.
 pub(crate) fn march(run: &Run, end: f64, visitor: &mut impl Visitor) {
     let pages = visitor.pages();
-    with_knots(run, pages, |supply| march_over(run, end, visitor, supply));
+    with_knots(run, end, pages, |supply| march_over(run, end, visitor, supply));
 }
 
 fn march_over<'a>(run: &'a Run, end: f64, visitor: &mut impl Visitor, supply: &mut Supply<'a>) {

@@ -22,6 +22,10 @@ impl Pages {
         self
     }
 
+    pub fn are_none(&self) -> bool {
+        self.arrays.is_empty()
+    }
+
     /// Fetches so many rows more.
     pub fn fetch(&mut self, count: usize) {
         let rows = self.rows..self.rows + count;
@@ -40,8 +44,9 @@ fn fetch(addresses: Range<usize>) {
     let page = usize::try_from(unsafe { libc::sysconf(libc::_SC_PAGESIZE) }).unwrap_or(0).max(1);
     let begin = addresses.start / page * page;
     let count = addresses.end.saturating_sub(begin);
-    // SAFETY: changes no value in memory, whoever else reads or writes it. Older systems do not know it,
-    // and addresses without memory are refused: nothing is lost but time.
+    // SAFETY: changes no value in memory, whoever else reads or writes it, and so may take in what shares
+    // the first page. Older systems do not know it, and addresses without memory are refused: nothing is
+    // lost but time.
     unsafe {
         libc::madvise(std::ptr::without_provenance_mut(begin), count, libc::MADV_POPULATE_WRITE);
     }

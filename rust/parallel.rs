@@ -1,7 +1,7 @@
 //! Independent pieces of work on all threads, under one watch.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -19,27 +19,52 @@ const PULSE_INTERVAL: Duration = Duration::from_millis(50);
 /// Entries of a list that one thread makes at a time: milliseconds.
 const PORTION: usize = 1 << 10;
 
+/// How many threads `RAYON_NUM_THREADS` asks for, 0 if it does not say; as last read.
+static ASKED: AtomicUsize = AtomicUsize::new(NOT_READ);
+const NOT_READ: usize = usize::MAX;
+
+fn asked() -> usize {
+    let asked = std::env::var_os("RAYON_NUM_THREADS");
+    asked.and_then(|number| number.to_str()?.parse().ok()).unwrap_or(0)
+}
+
+/// Reads the environment, for where it may change: Python's interpreter lock guards it, and this must
+/// be called under that.
+pub(crate) fn read_environment() {
+    ASKED.store(asked(), Ordering::Relaxed);
+}
+
 /// How many threads share work: one per core, unless `RAYON_NUM_THREADS` sets another number.
 pub(crate) fn thread_count() -> usize {
-    let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.parse().ok());
-    asked.filter(|&count| count > 0).unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from))
+    let asked = match ASKED.load(Ordering::Relaxed) {
+        NOT_READ => asked(),
+        asked => asked,
+    };
+    if asked > 0 { asked } else { thread::available_parallelism().map_or(1, usize::from) }
 }
 
 /// This process's threads. Not rayon's global ones: a forked process (Python's multiprocessing)
-/// inherits their names but not the threads, and would wait for them for ever.
-pub(crate) fn threads() -> Arc<ThreadPool> {
+/// inherits their names but not the threads, and would wait for them for ever. None where the system
+/// gives no threads.
+fn threads() -> Option<Arc<ThreadPool>> {
     static THREADS: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
     let process = std::process::id();
     let mut kept = THREADS.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((_, pool)) = kept.as_ref().filter(|(owner, _)| *owner == process) {
-        return Arc::clone(pool);
+        return Some(Arc::clone(pool));
     }
-    let pool = Arc::new(
-        ThreadPoolBuilder::new().num_threads(thread_count()).build().expect("the system gives threads"),
-    );
+    let pool = Arc::new(ThreadPoolBuilder::new().num_threads(thread_count()).build().ok()?);
     // What was inherited has no threads to end.
     std::mem::forget(kept.replace((process, Arc::clone(&pool))));
-    pool
+    Some(pool)
+}
+
+/// Sorts entries by a key that all of them have of their own.
+pub(crate) fn sort_by_key<T: Send, K: Ord>(entries: &mut [T], key: impl Fn(&T) -> K + Send + Sync) {
+    match threads() {
+        Some(threads) => threads.install(|| entries.par_sort_unstable_by_key(key)),
+        None => entries.sort_unstable_by_key(key),
+    }
 }
 
 /// Results of `work` for every piece, in their order; of several errors the first in that order,
@@ -57,11 +82,14 @@ pub(crate) fn map<I: Send, T: Send>(
         // One piece is not worth waking threads for.
         return pieces.pop().map(|piece| work(piece, pulse)).into_iter().collect();
     }
+    let Some(threads) = threads() else {
+        return pieces.into_iter().map(|piece| work(piece, pulse)).collect();
+    };
     let stop = AtomicBool::new(false);
     let go_on = || if stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) };
     let one = |piece| go_on().and_then(|()| work(piece, &mut || go_on()));
     let (done, wait) = channel();
-    threads().in_place_scope(|scope| {
+    threads.in_place_scope(|scope| {
         let all = &one;
         scope.spawn(move |_| {
             let results: Vec<Result<T>> = pieces.into_par_iter().map(all).collect();

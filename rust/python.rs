@@ -22,7 +22,7 @@ use crate::roughness::Stretch;
 use crate::spectrum::PowerLaw;
 use crate::watch::Pulse;
 use crate::worst::{SpeedRange, Target};
-use crate::{ensemble, modes, profile, roughness, run, spectrum, sweep};
+use crate::{ensemble, modes, parallel, profile, roughness, run, spectrum, sweep};
 
 create_exception!(
     runway_modal,
@@ -48,6 +48,7 @@ impl From<Error> for PyErr {
 #[expect(clippy::redundant_closure_for_method_calls, reason = "the method's lifetime is not general enough")]
 fn detached<T: Send>(py: Python, work: impl FnOnce(Pulse) -> Result<T> + Send) -> PyResult<T> {
     let mut signal = None;
+    parallel::read_environment();
     let result = py.detach(|| {
         work(&mut || {
             Python::attach(|py| py.check_signals()).map_err(|raised| {

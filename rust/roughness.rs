@@ -17,13 +17,12 @@
 //! longer waves: there it is two of its beats, and as many lines.
 
 use multiversion::multiversion;
-use rayon::prelude::*;
 
 use crate::coherence::Coherency;
 use crate::ensemble::{Reader, Simd, Source};
 use crate::error::{Error, Result, finite, positive};
 use crate::fourier::{NONE, Term, Transform, times};
-use crate::parallel::{self, Tools, threads};
+use crate::parallel::{self, Tools};
 use crate::random::{Deviates, LINES, Streams};
 use crate::row::{RUNS, Row};
 use crate::spectrum::Spectrum;
@@ -111,14 +110,18 @@ impl Generator {
         if period > MOST_SPACINGS {
             // The error names what takes up most of the period.
             let (place, value, why) = if 2.0 * segments > period {
-                ("length", length, "with two of the band's longest waves it holds more than 2^23 spacings")
+                (
+                    "length",
+                    length,
+                    "with two of the band's longest waves or beats it holds more than 2^23 spacings",
+                )
             } else if high - low < low {
                 ("width of the band", high - low, "2 / width holds more than 2^23 spacings")
             } else {
                 (
                     "spacing",
                     spacing,
-                    "more than 2^23 of it fit into the length and two of the band's longest waves",
+                    "more than 2^23 of it fit into the length and two of the band's longest waves or beats",
                 )
             };
             return Err(Error::OutOfRange { place: place.into(), value, why });
@@ -146,7 +149,7 @@ impl Generator {
             turn: transform.turn(k),
         };
         let mut lines = parallel::list(first..end, pulse, line)?;
-        threads().install(|| lines.par_sort_unstable_by_key(|line| line.places[0]));
+        parallel::sort_by_key(&mut lines, |line| line.places[0]);
         let triangle = |i: usize| {
             let k = f64::from(lines[i].number);
             let upper = if lines[i].number as usize == last { high } else { (k + 0.5) * step };

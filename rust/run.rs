@@ -249,6 +249,15 @@ impl Run {
         }
     }
 
+    /// An upper bound on the number of knots up to a time.
+    pub(crate) fn most_knots_by(&self, end: f64) -> usize {
+        let reached = |track: &Track| {
+            let station = end * self.speed - track.lag.nearest();
+            track.profile.knots().partition_point(|&x| x <= station) + 1
+        };
+        self.most_knots().min(self.tracks.iter().map(reached).sum())
+    }
+
     /// An upper bound on the number of default time points between knots: they lie only where the knots of
     /// all tracks are far apart, hence where those of this one are.
     fn between(&self, track: &Track, begin: f64, end: f64, step: f64) -> usize {

@@ -14,8 +14,9 @@ use crate::pages::Pages;
 use crate::parallel::thread_count;
 use crate::run::Run;
 
-/// Fewer knots are not worth a thread: two milliseconds' of marching.
-const WORTH: usize = 1 << 17;
+/// Fewer knots are not worth a thread: a few milliseconds' of marching. A thread that has to wait for a
+/// core costs more than it gives.
+const WORTH: usize = 1 << 19;
 
 /// Nor are those that gears share. They are found in a tenth of the time; but from here on memory for
 /// the results comes fresh from the system.
@@ -69,18 +70,19 @@ impl<'a> Ahead<'a> {
     }
 }
 
-/// Does some work with the knots of a run; a row of `pages` a knot will be written to.
-pub(crate) fn with_knots<'a>(run: &'a Run, pages: Pages, work: impl FnOnce(&mut Supply<'a>)) {
+/// Does some work with the knots of a run up to some time; a row of `pages` a knot will be written to.
+pub(crate) fn with_knots<'a>(run: &'a Run, end: f64, pages: Pages, work: impl FnOnce(&mut Supply<'a>)) {
     let here = || Supply::Here(Finder::new(run));
-    if !is_worth_it(run) {
+    let knots = run.most_knots_by(end);
+    if !is_worth_it(run, knots, &pages) {
         return work(&mut here());
     }
     let over = AtomicBool::new(false);
     thread::scope(|scope| {
         let helped = if run.shared_knots.is_some() {
-            fetch(scope, run, pages, &over).map(|()| here())
+            fetch_pages(scope, knots, pages, &over).map(|()| here())
         } else {
-            find(scope, run, pages).map(Supply::Elsewhere)
+            find_knots(scope, run, pages).map(Supply::Elsewhere)
         };
         // Where the system gives no thread, this one does without.
         work(&mut helped.unwrap_or_else(here));
@@ -88,15 +90,21 @@ pub(crate) fn with_knots<'a>(run: &'a Run, pages: Pages, work: impl FnOnce(&mut 
     });
 }
 
-/// Whether a run is long enough, and a thread free for it: not if this one is of many that share work.
-fn is_worth_it(run: &Run) -> bool {
-    let least = if run.shared_knots.is_some() { WORTH_SHARED } else { WORTH };
-    run.most_knots() >= least && rayon::current_thread_index().is_none() && thread_count() > 1
+/// Whether there is enough to do, and a thread free for it: not if this one is of many that share work.
+fn is_worth_it(run: &Run, knots: usize, pages: &Pages) -> bool {
+    let enough =
+        if run.shared_knots.is_some() { knots >= WORTH_SHARED && !pages.are_none() } else { knots >= WORTH };
+    enough && rayon::current_thread_index().is_none() && thread_count() > 1
 }
 
 /// Has another thread fetch the pages until all is over.
-fn fetch<'s>(scope: &'s Scope<'s, '_>, run: &Run, mut pages: Pages, over: &'s AtomicBool) -> Option<()> {
-    let steps = run.most_knots() / (TOGETHER * SLOTS);
+fn fetch_pages<'s>(
+    scope: &'s Scope<'s, '_>,
+    knots: usize,
+    mut pages: Pages,
+    over: &'s AtomicBool,
+) -> Option<()> {
+    let steps = knots / (TOGETHER * SLOTS);
     let fetch = move || {
         for _ in 0..steps {
             if over.load(Ordering::Relaxed) {
@@ -109,7 +117,7 @@ fn fetch<'s>(scope: &'s Scope<'s, '_>, run: &Run, mut pages: Pages, over: &'s At
 }
 
 /// Has another thread find the knots, and fetch a page for each.
-fn find<'s, 'a: 's>(scope: &'s Scope<'s, '_>, run: &'a Run, mut pages: Pages) -> Option<Ahead<'a>> {
+fn find_knots<'s, 'a: 's>(scope: &'s Scope<'s, '_>, run: &'a Run, mut pages: Pages) -> Option<Ahead<'a>> {
     let (to_fill, empty) = channel::<Blocks>();
     let (send, found) = channel();
     let find = move || {
@@ -182,7 +190,7 @@ mod tests {
             let alone = read(&run, &mut Supply::Here(Finder::new(&run)));
             assert!(alone.len() > 2 * TOGETHER);
             let beside = thread::scope(|scope| {
-                read(&run, &mut Supply::Elsewhere(find(scope, &run, Pages::default()).unwrap()))
+                read(&run, &mut Supply::Elsewhere(find_knots(scope, &run, Pages::default()).unwrap()))
             });
             assert!(alone == beside);
         }
@@ -194,7 +202,7 @@ mod tests {
         for blocks in [0, 1, TOGETHER, TOGETHER + 1] {
             let mut knots = Box::new(Knots::none(&run));
             thread::scope(|scope| {
-                let mut ahead = find(scope, &run, Pages::default()).unwrap();
+                let mut ahead = find_knots(scope, &run, Pages::default()).unwrap();
                 (0..blocks).for_each(|_| ahead.next(&mut knots));
             });
         }

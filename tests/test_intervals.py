@@ -23,6 +23,13 @@ def test_limits_of_a_probability_are_clopper_and_pearsons(runs: int, tail: float
     assert high[-1] == 1.0
 
 
+@pytest.mark.parametrize("runs", [10**6, 10**8])
+def test_limits_of_few_among_many_keep_their_digits_alone(runs: int) -> None:
+    for few in (0, 1, 20):
+        _, high = shares(np.array([few]), runs, 0.025)
+        assert high[0] == pytest.approx(stats.beta.isf(0.025, few + 1, runs - few), rel=1e-6)
+
+
 def test_limits_come_in_the_shape_of_their_counts() -> None:
     count = np.array([[3, 0], [3, 7], [7, 1]])
     low, high = shares(count, 7, 0.025)

@@ -395,7 +395,7 @@ def test_profiles_alike_are_one_track() -> None:
 
 def test_a_long_run_is_the_same_on_any_number_of_threads(monkeypatch: pytest.MonkeyPatch) -> None:
     random = np.random.default_rng(5)
-    stations = np.cumsum(random.uniform(0.05, 0.4, 100_000))
+    stations = np.cumsum(random.uniform(0.05, 0.4, 200_000))
     profile = rm.Profile(stations, random.uniform(0.0, 1.0, stations.size))
     bits = set()
     for threads in ("1", "2"):

@@ -312,7 +312,7 @@ class Ensemble(Pickled):
         """
         values = self._sorted(quantity)
         runs = values.shape[0]
-        asked = np.atleast_1d(_shares("probability", probability))
+        asked = np.atleast_1d(_between_0_and_1("probability", probability))
         if asked.ndim > 1:
             raise InputError(f"probability has shape {asked.shape}, 1 dimension(s) expected")
         tail = _tail(confidence)
@@ -789,7 +789,7 @@ def describe(modes: Modes) -> dict[str, Any]:
 
 def _tail(confidence: float) -> float:
     """Probability on either side of an interval."""
-    return (1.0 - float(_shares("confidence", confidence))) / 2.0
+    return (1.0 - float(_between_0_and_1("confidence", confidence))) / 2.0
 
 
 def masks(on_error: str) -> bool:
@@ -799,7 +799,7 @@ def masks(on_error: str) -> bool:
     return on_error == "mask"
 
 
-def _shares(argument: str, values: ArrayLike) -> NDArray[np.float64]:
+def _between_0_and_1(argument: str, values: ArrayLike) -> NDArray[np.float64]:
     """Check numbers strictly between 0 and 1."""
     given = array(argument, values, ndim=None)
     refuse(argument, given, ~((given > 0.0) & (given < 1.0)), "is not between 0 and 1")

@@ -85,8 +85,9 @@ def simulate(
     infinite load of that instant is not part of the results, so a sharp edge may seem milder than
     a steep ramp: model the edge as a ramp, or apply `Profile.footprint`.
 
-    Long runs, from some 1e5 breakpoints of all gears on, use a second processor core where there is
-    one and ``RAYON_NUM_THREADS`` does not forbid it; the results have the same bits.
+    Long runs, from some 5e5 breakpoints of all gears on, and what is read off them later use a
+    second processor core where there is one; the results have the same bits. Processes that share
+    the cores with others like them are faster with ``RAYON_NUM_THREADS=1`` in their environment.
 
     Examples
     --------

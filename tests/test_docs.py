@@ -3,11 +3,14 @@
 import doctest
 from pathlib import Path
 
+import pytest
+
 DOCS = Path(__file__).parents[1] / "docs"
 
 
-def test_the_way_to_revised_modes_runs_as_written() -> None:
-    page = DOCS / "equivalent_stiffness.md"
+@pytest.mark.parametrize("name", ["guide", "equivalent_stiffness"])
+def test_pages_run_as_written(name: str) -> None:
+    page = DOCS / f"{name}.md"
     failed, examples = doctest.testfile(str(page), module_relative=False)
     assert failed == 0
     assert examples == page.read_text(encoding="utf-8").count(">>> ")

@@ -303,7 +303,7 @@ impl Run {
     fn sample<'py>(&self, py: Python<'py>, duration: Option<f64>) -> PyResult<Sampled<'py>> {
         let (grid, columns) = (self.0.grid(duration)?, self.0.modes().omega().len());
         // How many rows there are is known when they are there; what they leave of the memory is
-        // never touched. Fetching memory from the system anew would cost a run more than the march:
+        // hardly touched. Fetching memory from the system anew would cost a run more than the march:
         // so the blocks are not shrunk, and the next run asks for just as much, and they are two
         // rather than three, one with room to spare, as glibc keeps up to twice the largest block.
         let most = grid.most;

@@ -54,6 +54,18 @@ def test_xarray(response: rm.Response | nonlinear.Response) -> None:
     assert all(variable.attrs == {} for variable in response.to_xarray().variables.values())
 
 
+@both
+def test_extremes(response: rm.Response | nonlinear.Response) -> None:
+    extremes = response.extremes()
+    table = extremes.to_pandas(INCHES)
+    assert list(table.index) == ["nose", "left", "right"]
+    for name in table.columns:
+        np.testing.assert_array_equal(table[name], getattr(extremes, name))
+    units = table.attrs["units"]
+    assert units.keys() == set(table.columns)
+    assert (units["min_load"], units["time_of_max"], units["position_of_min"]) == ("lbf", "s", "in")
+
+
 def test_a_nonlinear_run_shows_its_stiffness() -> None:
     table, data = NONLINEAR.to_pandas(INCHES), NONLINEAR.to_xarray(INCHES)
     np.testing.assert_array_equal(table["stiffness_left"], NONLINEAR.stiffness[:, 1])
@@ -123,6 +135,7 @@ def test_copied_results_are_the_same_and_read_only(again: Callable[[Any], Any]) 
     [
         lambda units: LINEAR.to_pandas(units),
         lambda units: NONLINEAR.to_xarray(units),
+        lambda units: LINEAR.extremes().to_pandas(units),
         lambda units: LINEAR.plot(units=units),
         lambda units: MAT.plot(units=units),
         lambda units: rm.sweep(LINEAR.modes, MAT, SPEED).to_pandas(units),

@@ -14,9 +14,11 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     import numpy as np
+    import pandas as pd
     from numpy.typing import NDArray
 
     from ._results import Aircraft
+    from .units import Units
 
 #: One time, or one for each speed.
 _Times = TypeVar("_Times", "float", "NDArray[np.float64]")
@@ -121,6 +123,40 @@ class Extremes(Pickled):
     def position_of_max_acceleration(self) -> dict[str, float]:
         """Station of the runway below each point at its largest acceleration [length]."""
         return station_positions(self.aircraft, self.speed, self.time_of_max_acceleration)
+
+    def to_pandas(self, units: Units | None = None) -> pd.DataFrame:
+        """
+        Make a table of the loads, one row per gear (extra ``tables``).
+
+        Parameters
+        ----------
+        units : Units, optional
+            Units of the run, kept in ``attrs["units"]`` by column; Parquet files keep them.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns static_load, max_load, time_of_max, position_of_max, min_load, time_of_min and
+            position_of_min; the index names the gears.
+
+        Raises
+        ------
+        InputError
+            If `units` is not a `Units`.
+        ImportError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> import runway_modal as rm
+        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+        >>> table = response.extremes().to_pandas()
+        >>> table["max_load"].idxmax(), round(table.loc["nose", "max_load"])
+        ('left', 12940)
+        """
+        from .tables_response import extremes_to_pandas
+
+        return extremes_to_pandas(self, units)
 
     def __repr__(self) -> str:
         """Make a table: one line per gear, one line per station."""

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ._results import Results
+    from .extremes import Extremes
     from .units import Units
 
 _CG = {"bounce": LENGTH, "pitch": ANGLE, "roll": ANGLE}
@@ -51,6 +52,27 @@ def with_speed(speed: float, response: Results) -> list[Quantity]:
 def to_pandas(response: Results, units: Units | None) -> pd.DataFrame:
     """Make the table that `Response.to_pandas` documents."""
     return tables.to_pandas(quantities(response), units)
+
+
+def extremes_to_pandas(extremes: Extremes, units: Units | None) -> pd.DataFrame:
+    """Make the table that `Extremes.to_pandas` documents."""
+    of_gears = {
+        "static_load": FORCE,
+        "max_load": FORCE,
+        "time_of_max": TIME,
+        "position_of_max": LENGTH,
+        "min_load": FORCE,
+        "time_of_min": TIME,
+        "position_of_min": LENGTH,
+    }
+    found = [
+        Quantity("gear", None, np.array(extremes.gear_names)),
+        *(
+            Quantity(name, dimension, getattr(extremes, name))
+            for name, dimension in of_gears.items()
+        ),
+    ]
+    return tables.to_pandas(found, units, index="gear")
 
 
 def to_xarray(response: Results, units: Units | None) -> xr.Dataset:

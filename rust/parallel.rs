@@ -28,8 +28,8 @@ fn asked() -> usize {
     asked.and_then(|number| number.to_str()?.parse().ok()).unwrap_or(0)
 }
 
-/// Reads the environment, for where it may change: Python's interpreter lock guards it, and this must
-/// be called under that.
+/// Reads the environment, for where others may change it: in Python under the interpreter's lock.
+#[cfg(feature = "python")]
 pub(crate) fn read_environment() {
     ASKED.store(asked(), Ordering::Relaxed);
 }

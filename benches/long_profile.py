@@ -71,14 +71,16 @@ def on_one_thread(call: Callable[[], rm.Response]) -> rm.Response:
 
 def flatness(sizes: list[int], rounds: int) -> None:
     own = modes()
+    wheelbase = lag() * SPACING
     for name, build in (("equal", equal), ("irregular", irregular)):
-        print(f"\n{name} segments, cost a row (a knot of any gear)")
+        print(f"\n{name} segments, cost a row (a knot of any gear; the run ends at the last one)")
         costs = []
         for size in sizes:
             profile = build(size)
-            rows = rm.simulate(own, profile, SPEED).time.size
-            inner = max(1, 20_000 // rows)
-            call = partial(rm.simulate, own, profile, SPEED)
+            end = (profile.x[-1] + wheelbase) / SPEED
+            call = partial(rm.simulate, own, profile, SPEED, duration=end)
+            rows = call().time.size
+            inner = max(1, 200_000 // rows)
             costs.append(np.median(take_turns(rounds, inner, ours=call)["ours"]) / rows)
             line(f"{size:.0e} segments", f"{1e9 * costs[-1]:.1f} ns")
         line("dearest / cheapest", f"{max(costs) / min(costs):.2f}", "want 1")

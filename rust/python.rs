@@ -6,12 +6,12 @@ use nalgebra::{Matrix3, Vector3};
 use numpy::ndarray::{Array3, ArrayView, ArrayView1, Dim, Dimension, IntoDimension};
 use numpy::{
     PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
-    PyReadonlyArray3, PyReadwriteArray3, get_array_module,
+    PyReadonlyArray3, PyReadwriteArray3,
 };
 use pyo3::create_exception;
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
-use pyo3::intern;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
 
 use crate::aircraft::{self, Inertia};
@@ -252,8 +252,10 @@ where
     [usize; N]: IntoDimension<Dim = Dim<[usize; N]>> + for<'a> IntoPyObject<'a>,
     Dim<[usize; N]>: Dimension,
 {
+    // To look up a module takes longer than to make an array.
+    static EMPTY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let shape = PyTuple::new(py, shape)?;
-    Ok(get_array_module(py)?.call_method1(intern!(py, "empty"), (shape,))?.cast_into()?)
+    Ok(EMPTY.import(py, "numpy", "empty")?.call1((shape,))?.cast_into()?)
 }
 
 /// A part of a read-only array in a shape of its own.

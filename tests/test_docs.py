@@ -8,7 +8,7 @@ import pytest
 DOCS = Path(__file__).parents[1] / "docs"
 
 
-@pytest.mark.parametrize("name", ["guide", "equivalent_stiffness"])
+@pytest.mark.parametrize("name", ["guide", "method", "equivalent_stiffness"])
 def test_pages_run_as_written(name: str) -> None:
     page = DOCS / f"{name}.md"
     failed, examples = doctest.testfile(str(page), module_relative=False)

@@ -9,7 +9,8 @@ use std::sync::Arc;
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use runway_modal::aircraft::{Aircraft, Gear, Inertia};
-use runway_modal::{modes::Modes, profile::Profile, readout::Quantity, run::Run};
+use runway_modal::modes::{Damping, Modes};
+use runway_modal::{profile::Profile, readout::Quantity, run::Run};
 
 const SPEED: f64 = 405.0744; // 20 kt in in/s
 const SPACING: f64 = 0.25; // in; the wheelbase is 1117 of them
@@ -23,7 +24,7 @@ fn modes() -> Arc<Modes> {
         gear("left", -44.35, 109.25, 9102.0),
         gear("right", -44.35, -109.25, 9102.0),
     ];
-    Arc::new(Modes::natural(Arc::new(Aircraft::new(inertia, gears).unwrap()), Some(&[0.01])).unwrap())
+    Arc::new(Modes::natural(Arc::new(Aircraft::new(inertia, gears).unwrap()), Damping::All(0.01)).unwrap())
 }
 
 /// Repeatable numbers in [0, 1).

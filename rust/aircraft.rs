@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::error::{Error, Place, Result, finite, not_negative, positive};
+use crate::error::{Error, Place, Result, finite, is_moderate, not_negative, positive};
 use crate::strains::Strains;
 
 /// Bounce, pitch and roll.
@@ -36,13 +36,18 @@ impl Gear {
     /// # Errors
     /// Arms not finite, stiffness not positive, damping negative.
     pub fn new(name: &str, x: f64, y: f64, stiffness: f64, damping: f64) -> Result<Self> {
-        Ok(Self {
-            name: name.to_owned(),
-            x: finite("x", x)?,
-            y: finite("y", y)?,
-            stiffness: positive("stiffness", stiffness)?,
-            damping: not_negative("damping", damping)?,
-        })
+        let gear = Self { name: name.to_owned(), x, y, stiffness, damping };
+        gear.check(Place::from)?;
+        Ok(gear)
+    }
+
+    /// Checks the values; `place` says where a field stands.
+    fn check(&self, place: impl Fn(&'static str) -> Place) -> Result<()> {
+        finite(place("x"), self.x)?;
+        finite(place("y"), self.y)?;
+        positive(place("stiffness"), self.stiffness)?;
+        not_negative(place("damping"), self.damping)?;
+        Ok(())
     }
 
     /// Geometry row [1, x, y]: gear displacement = row · {bounce, pitch, roll} (Eq. 1).
@@ -109,6 +114,7 @@ impl Aircraft {
             return Err(Error::TooShort { argument: "gears", found: 0, least: 1 });
         }
         for (second, gear) in gears.iter().enumerate() {
+            gear.check(|field| Place::gear(second, field))?;
             if let Some(first) = gears[..second].iter().position(|g| g.name == gear.name) {
                 return Err(Error::DuplicateGear { name: gear.name.clone(), first, second });
             }
@@ -169,10 +175,9 @@ pub(crate) fn gram(rows: impl Iterator<Item = (Vector3<f64>, f64)>) -> Matrix3<f
 fn check_range(inertia: &Inertia, gears: &[Gear]) -> Result<()> {
     const WHY: &str = "with these masses and arms the frequencies leave the range of double precision";
     let fits = |value: f64| (1e-200..1e200).contains(&value);
-    let moderate = |value: f64| (1e-100..1e100).contains(&value);
     if inertia.gravity != 0.0 && !fits(inertia.mass * inertia.gravity) {
         let (name, value) =
-            if moderate(inertia.mass) { ("gravity", inertia.gravity) } else { ("mass", inertia.mass) };
+            if is_moderate(inertia.mass) { ("gravity", inertia.gravity) } else { ("mass", inertia.mass) };
         return Err(Error::OutOfRange {
             place: name.into(),
             value,
@@ -185,13 +190,16 @@ fn check_range(inertia: &Inertia, gears: &[Gear]) -> Result<()> {
         for (i, gear) in gears.iter().enumerate() {
             let value = gear.row()[axis];
             if value != 0.0 && !fits(value * value) {
-                return Err(Error::OutOfRange { place: Place::at(arm, i), value, why: WHY });
+                return Err(Error::OutOfRange { place: Place::gear(i, arm), value, why: WHY });
             }
             for (name, rate) in [("stiffness", gear.stiffness), ("damping", gear.damping)] {
                 if rate != 0.0 && value != 0.0 && !fits(rate * (value * value) / mass) {
                     // The one that is itself extreme is to blame.
-                    let (place, value) =
-                        if moderate(mass) { (Place::at(name, i), rate) } else { (mass_name.into(), mass) };
+                    let (place, value) = if is_moderate(mass) {
+                        (Place::gear(i, name), rate)
+                    } else {
+                        (mass_name.into(), mass)
+                    };
                     return Err(Error::OutOfRange { place, value, why: WHY });
                 }
             }

@@ -15,11 +15,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::error::{Error, Place, Result, finite, positive};
+use crate::error::{Error, Place, Result, finite, moderate};
 use crate::modes::Modes;
 use crate::parallel::{self, Tools};
+use crate::profile::LARGEST;
 use crate::row::{RUNS, Row};
-use crate::run::{LAST_KNOT, check_speed};
+use crate::run::LAST_KNOT;
 use crate::watch::{Pulse, Watch};
 
 mod ahead;
@@ -37,11 +38,22 @@ use pulp::Arch;
 pub use pulp::Simd;
 use setup::{Setup, Stations};
 
-/// Largest elevation: as in a profile, its square must stay in double precision.
-const HIGHEST: f64 = 1e100;
+/// How many elevations there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Runs.
+    pub runs: usize,
+    /// Tracks of a run: one for all gears, or one a gear.
+    pub tracks: usize,
+    /// Stations of a track.
+    pub stations: usize,
+}
 
 /// Where elevations come from.
 pub trait Source: Sync {
+    /// How many there are.
+    fn shape(&self) -> Shape;
+
     /// Reads them, for one thread at a time.
     type Reader<'a>: Reader + Send
     where
@@ -72,29 +84,32 @@ pub trait Reader {
 #[derive(Clone, Copy, Debug)]
 pub struct Memory<'a, T> {
     elevations: &'a [T],
-    tracks: usize,
-    stations: usize,
+    shape: Shape,
 }
 
 impl<'a, T: Copy + Into<f64> + Sync> Memory<'a, T> {
-    /// Elevations of shape (runs, tracks, stations).
+    /// Elevations of a shape.
     ///
-    /// # Panics
-    /// If they are not a whole number of runs.
-    #[must_use]
-    pub fn new(elevations: &'a [T], tracks: usize, stations: usize) -> Self {
-        assert_eq!(elevations.len() % (tracks * stations), 0);
-        Self { elevations, tracks, stations }
+    /// # Errors
+    /// If they are not as many.
+    pub fn new(elevations: &'a [T], shape: Shape) -> Result<Self> {
+        let (found, expected) = (elevations.len(), shape.runs * shape.tracks * shape.stations);
+        if found != expected {
+            let why = "runs times tracks times stations";
+            return Err(Error::WrongLength { argument: "elevations", found, expected, why });
+        }
+        Ok(Self { elevations, shape })
     }
 
     /// Why a run gave no finite result: its first elevation that is not finite or out of range.
     #[must_use]
     pub fn fault(&self, run: usize) -> Error {
-        let size = self.tracks * self.stations;
+        let Shape { tracks, stations, .. } = self.shape;
+        let size = tracks * stations;
         let fault = self.elevations[run * size..][..size].iter().enumerate().find_map(|(i, &value)| {
-            let place = Place::station("elevations", run, i / self.stations, i % self.stations);
+            let place = Place::station("elevations", run, i / stations, i % stations);
             match finite(place, value.into()) {
-                Ok(value) if value.abs() > HIGHEST => {
+                Ok(value) if value.abs() > LARGEST => {
                     Some(Error::OutOfRange { place, value, why: "elevations up to 1e100 are allowed" })
                 }
                 Ok(_) => None,
@@ -117,6 +132,10 @@ impl<T: Copy + Into<f64> + Sync> Source for Memory<'_, T> {
     where
         Self: 'a;
 
+    fn shape(&self) -> Shape {
+        self.shape
+    }
+
     fn reader(&self) -> MemoryReader<'_, T> {
         MemoryReader { memory: *self, runs: 0..1 }
     }
@@ -129,7 +148,7 @@ impl<T> Memory<'_, T> {
         std::array::from_fn(|lane| {
             // An idle lane repeats the last run.
             let run = (runs.start + lane).min(runs.end - 1);
-            &self.elevations[(run * self.tracks + track) * self.stations + first..][..count]
+            &self.elevations[(run * self.shape.tracks + track) * self.shape.stations + first..][..count]
         })
     }
 }
@@ -146,11 +165,10 @@ impl<T: Copy + Into<f64>> Reader for MemoryReader<'_, T> {
     }
 
     fn foresee(&self, track: usize, first: usize, count: usize, ahead: &mut Ahead) {
-        let Memory { elevations, tracks, stations } = self.memory;
+        let Shape { runs: all, stations, .. } = self.memory.shape;
         let (mut runs, mut first) = (self.runs.clone(), first);
         if first >= stations {
             // Most likely the next runs are up next.
-            let all = elevations.len() / (tracks * stations);
             (runs, first) = (runs.end..all.min(runs.end + RUNS), 0);
         }
         if !runs.is_empty() {
@@ -159,21 +177,30 @@ impl<T: Copy + Into<f64>> Reader for MemoryReader<'_, T> {
     }
 }
 
+/// What rolls over the profiles.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// An aircraft in its modes.
+    pub modes: Arc<Modes>,
+    /// Points (x, y) of its body at which accelerations are wanted.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Case {
+    fn gears(&self) -> usize {
+        self.modes.aircraft().gears().len()
+    }
+}
+
 /// What many runs have in common, and what not.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// One for all runs, or one a run.
-    pub modes: Vec<Arc<Modes>>,
+    /// One for all runs, or one a run; all with as many gears and points.
+    pub cases: Vec<Case>,
     /// One for all runs, or one a run.
     pub speed: Vec<f64>,
-    /// Tracks: one for all gears, or one a gear.
-    pub tracks: usize,
-    /// Stations of a track.
-    pub stations: usize,
-    /// Distance between them.
+    /// Distance between two stations.
     pub spacing: f64,
-    /// Points (x, y) of the body at which accelerations are wanted: a list for each of `modes`.
-    pub points: Vec<Vec<(f64, f64)>>,
     /// Whether the gears' dampers take part in the ground input.
     pub damping_input: bool,
     /// Whether extremes are looked for between the gears' stations too.
@@ -228,54 +255,44 @@ impl Statistics {
 }
 
 impl Plan {
-    fn check(&self, runs: usize) -> Result<()> {
-        let allowed = 1e-100..1e100;
-        if !allowed.contains(&positive("spacing", self.spacing)?) {
-            let place = Place::from("spacing");
-            return Err(Error::OutOfRange { place, value: self.spacing, why: "1e-100 to 1e100 is allowed" });
-        }
+    fn check(&self, Shape { runs, tracks, stations }: Shape) -> Result<()> {
+        moderate("spacing", self.spacing)?;
         let why = "one for all runs, or one per run";
-        for (argument, found) in [("modes", self.modes.len()), ("speed", self.speed.len())] {
+        for (argument, found) in [("modes", self.cases.len()), ("speed", self.speed.len())] {
             if found != 1 && found != runs {
                 return Err(Error::WrongLength { argument, found, expected: runs, why });
             }
         }
-        let (gears, points) = (self.gears(), self.points[0].len());
+        let Some(first) = self.cases.first() else { return Ok(()) };
+        let (gears, points) = (first.gears(), first.points.len());
         let why = "as many in all modes";
-        for (modes, of_modes) in self.modes.iter().zip(&self.points) {
-            for (argument, found, expected) in [
-                ("modes: gears", modes.aircraft().gears().len(), gears),
-                ("modes: stations", of_modes.len(), points),
-            ] {
+        for case in &self.cases {
+            for (argument, found, expected) in
+                [("modes: gears", case.gears(), gears), ("modes: stations", case.points.len(), points)]
+            {
                 if found != expected {
                     return Err(Error::WrongLength { argument, found, expected, why });
                 }
             }
         }
         for (i, &speed) in self.speed.iter().enumerate() {
-            check_speed(self.place_of_speed(i), speed)?;
+            moderate(self.place_of_speed(i), speed)?;
         }
-        if self.stations == 0 {
+        if stations == 0 {
             return Err(Error::TooShort { argument: "elevations", found: 0, least: 1 });
         }
-        if self.tracks != 1 && self.tracks != gears {
-            let why = "tracks: one for all gears, or one per gear";
-            return Err(Error::WrongLength {
-                argument: "elevations[0]",
-                found: self.tracks,
-                expected: gears,
-                why,
-            });
+        if tracks != 1 && tracks != gears {
+            let (argument, why) = ("elevations[0]", "tracks: one for all gears, or one per gear");
+            return Err(Error::WrongLength { argument, found: tracks, expected: gears, why });
         }
         Ok(())
     }
 
-    fn setup(&self, run: usize) -> Result<Setup> {
-        let Self { tracks, stations: count, spacing, .. } = *self;
-        let stations = Stations { tracks, count, spacing };
-        let case = if self.modes.len() == 1 { 0 } else { run };
+    fn setup(&self, shape: Shape, run: usize) -> Result<Setup> {
+        let stations = Stations { tracks: shape.tracks, count: shape.stations, spacing: self.spacing };
+        let Case { modes, points } = &self.cases[if self.cases.len() == 1 { 0 } else { run }];
         let speed = self.speed[if self.speed.len() == 1 { 0 } else { run }];
-        let setup = Setup::new(&self.modes[case], stations, speed, &self.points[case], self.damping_input);
+        let setup = Setup::new(modes, stations, speed, points, self.damping_input);
         setup.map_err(|error| match error {
             // The time over the profiles: all but the speed is as for other runs.
             Error::OutOfRange { place, why, .. } if place == Place::from(LAST_KNOT) => {
@@ -289,15 +306,9 @@ impl Plan {
         if self.speed.len() == 1 { Place::from("speed") } else { Place::at("speed", run) }
     }
 
-    /// Gears of the aircraft.
-    #[must_use]
-    pub fn gears(&self) -> usize {
-        self.modes[0].aircraft().gears().len()
-    }
-
     /// Whether all runs are set up alike.
     fn is_single(&self) -> bool {
-        self.modes.len() == 1 && self.speed.len() == 1
+        self.cases.len() == 1 && self.speed.len() == 1
     }
 }
 
@@ -305,25 +316,21 @@ impl Plan {
 ///
 /// # Errors
 /// A plan that cannot be run, or what `pulse` gives.
-pub fn simulate(plan: &Plan, runs: usize, source: &impl Source, pulse: Pulse) -> Result<Statistics> {
-    simulate_on(Arch::new(), plan, runs, source, pulse)
+pub fn simulate(plan: &Plan, source: &impl Source, pulse: Pulse) -> Result<Statistics> {
+    simulate_on(Arch::new(), plan, source, pulse)
 }
 
 /// With the instructions of `arch`.
-fn simulate_on(
-    arch: Arch,
-    plan: &Plan,
-    runs: usize,
-    source: &impl Source,
-    pulse: Pulse,
-) -> Result<Statistics> {
-    plan.check(runs)?;
-    let shared =
-        if plan.is_single() { Some(Arc::new(Constants::new(arch, vec![plan.setup(0)?]))) } else { None };
-    let blocks = (0..runs).step_by(RUNS).map(|first| first..(first + RUNS).min(runs));
+fn simulate_on(arch: Arch, plan: &Plan, source: &impl Source, pulse: Pulse) -> Result<Statistics> {
+    let shape = source.shape();
+    plan.check(shape)?;
+    let constants = |setups| Arc::new(Constants::new(arch, setups));
+    let shared = if plan.is_single() { Some(constants(vec![plan.setup(shape, 0)?])) } else { None };
+    let blocks = (0..shape.runs).step_by(RUNS).map(|first| first..(first + RUNS).min(shape.runs));
     let workers = Tools::new();
     let parts = parallel::map(blocks, pulse, |block, pulse| {
-        let worker = || Worker { arch, plan, shared: shared.as_ref(), reader: source.reader(), march: None };
+        let shared = shared.as_ref();
+        let worker = || Worker { arch, plan, shape, shared, reader: source.reader(), march: None };
         workers.lend(worker, |worker| worker.block(block, pulse))
     })?;
     let mut all = Statistics::default();
@@ -337,6 +344,7 @@ fn simulate_on(
 struct Worker<'a, R> {
     arch: Arch,
     plan: &'a Plan,
+    shape: Shape,
     /// Of runs that are all set up alike.
     shared: Option<&'a Arc<Constants>>,
     reader: R,
@@ -350,7 +358,8 @@ impl<R: Reader> Worker<'_, R> {
             self.march_over(constants, runs, &mut found, pulse)?;
             return Ok(found);
         }
-        let mut setups: Vec<Setup> = runs.clone().map(|run| self.plan.setup(run)).collect::<Result<_>>()?;
+        let mut setups: Vec<Setup> =
+            runs.clone().map(|run| self.plan.setup(self.shape, run)).collect::<Result<_>>()?;
         let mut first = runs.start;
         while !setups.is_empty() {
             // Runs march side by side as far as their stations fall alike.
@@ -372,7 +381,7 @@ impl<R: Reader> Worker<'_, R> {
         found: &mut Statistics,
         pulse: Pulse,
     ) -> Result<()> {
-        let Self { arch, plan, reader, march, .. } = self;
+        let Self { arch, plan, shape, reader, march, .. } = self;
         let march = match march {
             Some(march) if march.layout == constants.setups[0].layout => {
                 march.turn_to(constants);
@@ -389,10 +398,10 @@ impl<R: Reader> Worker<'_, R> {
             if !watch.go_on((RUNS * count) as u32) {
                 return watch.outcome;
             }
-            march.block(reader, plan.stations, period, count);
+            march.block(reader, shape.stations, period, count);
             march.relieve(&mut watch);
         }
-        march.block(reader, plan.stations, periods, 1);
+        march.block(reader, shape.stations, periods, 1);
         march.finish(runs, found, &mut watch);
         watch.outcome
     }
@@ -402,6 +411,7 @@ impl<R: Reader> Worker<'_, R> {
 mod tests {
     use super::*;
     use crate::aircraft::{Aircraft, Gear, Inertia};
+    use crate::modes::Damping;
 
     /// What vectors of any width that this machine has give are the bits of the plain build.
     #[test]
@@ -416,23 +426,26 @@ mod tests {
             gear("right", -57.1, -109.25, 9102.0),
         ];
         let aircraft = Arc::new(Aircraft::new(inertia, gears).unwrap());
-        let modes = |ratio: f64| Arc::new(Modes::natural(Arc::clone(&aircraft), Some(&[ratio])).unwrap());
+        let modes =
+            |ratio: f64| Arc::new(Modes::natural(Arc::clone(&aircraft), Damping::All(ratio)).unwrap());
         let wave = |i: usize| ((i * i) as f64 * 0.37).sin() + 0.002 * (i % STATIONS) as f64;
         let elevations: Vec<f64> = (0..RUNS * 3 * STATIONS).map(wave).collect();
-        let memory = Memory::new(&elevations, 3, STATIONS);
+        let memory = Memory::new(&elevations, Shape { runs: RUNS, tracks: 3, stations: STATIONS }).unwrap();
         for damping_input in [false, true] {
             for (count, speeds) in [(1, 1), (RUNS, RUNS)] {
                 let plan = Plan {
-                    modes: (0..count).map(|run| modes(0.004 * run as f64 + 0.01)).collect(),
+                    cases: (0..count)
+                        .map(|run| Case {
+                            modes: modes(0.004 * run as f64 + 0.01),
+                            points: vec![(0.0, 0.0), (120.0, 3.0)],
+                        })
+                        .collect(),
                     speed: (0..speeds).map(|run| 500.0 + 3.0 * run as f64).collect(),
-                    tracks: 3,
-                    stations: STATIONS,
                     spacing: 10.0,
-                    points: vec![vec![(0.0, 0.0), (120.0, 3.0)]; count],
                     damping_input,
                     between: true,
                 };
-                let on = |arch| simulate_on(arch, &plan, RUNS, &memory, &mut || Ok(())).unwrap();
+                let on = |arch| simulate_on(arch, &plan, &memory, &mut || Ok(())).unwrap();
                 let plain = on(Arch::Scalar);
                 assert_eq!(plain, on(Arch::new()));
                 #[cfg(target_arch = "x86_64")]

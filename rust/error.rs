@@ -5,36 +5,43 @@ use std::fmt;
 /// The result of everything that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Where a value stands: an argument's name and, in an array, its indices.
+/// Where a value stands: an argument's name and, in an array, its indices; of a structure, its field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     argument: &'static str,
     index: [Option<usize>; 3],
+    field: Option<&'static str>,
 }
 
 impl Place {
     /// `argument[index]`.
     #[must_use]
     pub fn at(argument: &'static str, index: usize) -> Self {
-        Self { argument, index: [Some(index), None, None] }
+        Self { index: [Some(index), None, None], ..argument.into() }
     }
 
     /// `argument[row, column]`.
     #[must_use]
     pub fn cell(argument: &'static str, row: usize, column: usize) -> Self {
-        Self { argument, index: [Some(row), Some(column), None] }
+        Self { index: [Some(row), Some(column), None], ..argument.into() }
     }
 
     /// `argument[run, track, station]`.
     #[must_use]
     pub fn station(argument: &'static str, run: usize, track: usize, station: usize) -> Self {
-        Self { argument, index: [Some(run), Some(track), Some(station)] }
+        Self { index: [Some(run), Some(track), Some(station)], ..argument.into() }
+    }
+
+    /// `gears[index].field`.
+    #[must_use]
+    pub fn gear(index: usize, field: &'static str) -> Self {
+        Self { field: Some(field), ..Self::at("gears", index) }
     }
 }
 
 impl From<&'static str> for Place {
     fn from(argument: &'static str) -> Self {
-        Self { argument, index: [None; 3] }
+        Self { argument, index: [None; 3], field: None }
     }
 }
 
@@ -46,8 +53,14 @@ impl fmt::Display for Place {
             [Some(row), Some(column), None] => write!(f, "[{row}, {column}]"),
             [Some(row), ..] => write!(f, "[{row}]"),
             _ => Ok(()),
-        }
+        }?;
+        self.field.map_or(Ok(()), |field| write!(f, ".{field}"))
     }
+}
+
+/// So many entries, in words.
+fn entries(count: usize) -> String {
+    if count == 1 { "1 entry".into() } else { format!("{count} entries") }
 }
 
 /// What is wrong, where, and with which value.
@@ -68,10 +81,10 @@ pub enum Error {
     #[error("{place} = {value:?} is less than {previous:?} before it: values may not decrease")]
     Decreasing { place: Place, value: f64, previous: f64 },
     /// An array with too few entries.
-    #[error("{argument} has {found} entries, at least {least} needed")]
+    #[error("{argument} has {}, at least {least} needed", entries(*.found))]
     TooShort { argument: &'static str, found: usize, least: usize },
     /// An array whose length does not match another's.
-    #[error("{argument} has {found} entries, {expected} expected ({why})")]
+    #[error("{argument} has {}, {expected} expected ({why})", entries(*.found))]
     WrongLength { argument: &'static str, found: usize, expected: usize, why: &'static str },
     /// Two gears with the same name.
     #[error("gears[{second}].name = '{name}' repeats the name of gears[{first}]")]
@@ -124,10 +137,16 @@ pub enum Error {
     Overflow { quantity: &'static str, time: f64 },
     /// A search that would take more runs than allowed.
     #[error(
-        "tolerance = {tolerance:?} takes more runs than allowed: after {runs} the worst value lies between \
-         {value:?}, found at speed {speed:?}, and {bound:?}"
+        "tolerance = {tolerance:?} takes more runs than max_runs = {max_runs} allows: after {runs} the worst \
+         value lies between {value:?}, found at speed {speed:?}, and {bound:?}"
     )]
-    Unresolved { tolerance: f64, runs: usize, value: f64, speed: f64, bound: f64 },
+    Unresolved { tolerance: f64, max_runs: usize, runs: usize, value: f64, speed: f64, bound: f64 },
+    /// A count below what makes sense.
+    #[error("{argument} = {value} is too few, {least} at least")]
+    TooFew { argument: &'static str, value: usize, least: usize },
+    /// A gear's number that no gear has.
+    #[error("there is no gear number {index}: {gears} gear(s), counted from 0")]
+    NoSuchGear { index: usize, gears: usize },
     /// A run of many whose arithmetic left the range.
     #[error("{place}: a result left the range of double precision")]
     RunOverflow { place: Place },
@@ -159,6 +178,25 @@ pub fn finite(place: impl Into<Place>, value: f64) -> Result<f64> {
 pub fn positive(place: impl Into<Place>, value: f64) -> Result<f64> {
     let place = place.into();
     if finite(place, value)? > 0.0 { Ok(value) } else { Err(Error::NotPositive { place, value }) }
+}
+
+/// Passes a value whose powers stay in the range of double precision, 1e-100 to 1e100.
+///
+/// # Errors
+/// [`Error::NotFinite`], [`Error::NotPositive`], [`Error::OutOfRange`].
+pub fn moderate(place: impl Into<Place>, value: f64) -> Result<f64> {
+    let place = place.into();
+    if is_moderate(positive(place, value)?) {
+        Ok(value)
+    } else {
+        Err(Error::OutOfRange { place, value, why: "1e-100 to 1e100 is allowed" })
+    }
+}
+
+/// Whether powers of a positive value stay in the range of double precision.
+#[must_use]
+pub fn is_moderate(value: f64) -> bool {
+    (1e-100..=1e100).contains(&value)
 }
 
 /// Passes a finite value ≥ 0.

@@ -110,7 +110,7 @@ impl Search<'_> {
         let inside = segment.start >= self.begin && segment.end <= self.end;
         if inside && self.fastest * segment.dt() <= 1.0 {
             let ends = (segment.state(), segment.end_state());
-            self.begin(segment, segment.start, ends.0);
+            self.enter(segment, segment.start, ends.0);
             self.piece(ends, &segment.drive(), (segment.start, segment.dt()));
         } else {
             self.visit_part(segment);
@@ -124,7 +124,7 @@ impl Search<'_> {
         let state = self.inside.states(segment, &[from])[0];
         let dt = segment.elapsed(from, to);
         let whole = self.run.oscillators.over(dt);
-        self.begin(segment, from, &state);
+        self.enter(segment, from, &state);
         if self.fastest * dt <= 1.0 {
             let end = whole.apply(&state, &segment.drive());
             self.piece((&state, &end), &segment.drive(), (from, dt));
@@ -135,7 +135,7 @@ impl Search<'_> {
 
     /// Takes up a segment at `time`: its straight-line parts, and the values there.
     #[inline(always)]
-    fn begin(&mut self, segment: &Segment, time: f64, state: &State) {
+    fn enter(&mut self, segment: &Segment, time: f64, state: &State) {
         if self.has_lines {
             self.heights.read(segment, time);
             for hunt in &mut self.hunts {

@@ -25,12 +25,13 @@
 //! | [`error`] | the one error enum |
 //! | `strains` | directions in which springs are strained independently |
 //! | [`aircraft`] | gears and masses → matrices, static loads |
-//! | [`distance`] | distances rolled, with their rounding error |
+//! | `distance` | distances rolled, with their rounding error |
 //! | [`profile`] | a checked piecewise-linear profile |
 //! | [`modes`] | the eigenproblem, damping ratios, measured modes; no time |
 //! | [`lanes`] | four numbers side by side |
 //! | [`transition`] | the exact propagator of a bank of oscillators; no aircraft |
 //! | [`watch`] | long work that its caller can stop |
+//! | `parallel` | independent pieces of work on all threads |
 //! | `track` | gears that meet one profile at one time |
 //! | `shared_knots` | tracks that meet their breakpoints where the foremost one does |
 //! | [`run`] | modes + profiles + speed, and when to look |
@@ -45,22 +46,21 @@
 //! | [`readout`] | loads, motions and accelerations as linear forms of the state |
 //! | [`sample`] | rows of results at the default times or at any |
 //! | [`extremes`] | true maxima and minima between samples |
-//! | `parallel` | independent pieces of work on all threads |
 //! | [`sweep`] | one runway at many speeds |
 //! | [`worst`] | the worst speed of a range, with a bound on all others |
 //! | [`row`] | eight runs side by side: a number of each |
-//! | [`random`] | normal deviates, a pure function of seed, run, line and track |
+//! | `random` | normal deviates, a pure function of seed, run, line and track |
 //! | `fourier` | inverse transforms of eight runs side by side |
 //! | [`spectrum`] | one-sided spectra: piecewise power laws in a band |
 //! | [`coherence`] | how alike parallel tracks over an isotropic surface are |
 //! | [`ensemble`] | many equally spaced profiles at once: statistics without a history |
 //! | [`roughness`] | spectrum → random profiles, block by block |
-//! | `python` | the only file that names Python, behind the feature `python` |
+//! | `python` | the only file that names pyo3 or numpy, behind the feature `python` |
 //!
 //! ```
 //! use std::sync::Arc;
 //! use runway_modal::aircraft::{Aircraft, Gear, Inertia};
-//! use runway_modal::{modes::Modes, profile::Profile, readout::Quantity, run::Run};
+//! use runway_modal::{modes::{Damping, Modes}, profile::Profile, readout::Quantity, run::Run};
 //!
 //! # fn main() -> runway_modal::error::Result<()> {
 //! // Table 1 and Table 2, lbf, in, s.
@@ -70,7 +70,7 @@
 //!     Gear::new("left", -44.35, 109.25, 9102.0, 0.0)?,
 //!     Gear::new("right", -44.35, -109.25, 9102.0, 0.0)?,
 //! ])?;
-//! let modes = Arc::new(Modes::natural(Arc::new(aircraft), Some(&[0.01]))?);
+//! let modes = Arc::new(Modes::natural(Arc::new(aircraft), Damping::All(0.01))?);
 //! assert!((modes.omega()[1] - 12.01632).abs() < 1e-5); // Table 3
 //!
 //! let mat = Arc::new(Profile::new(vec![0.0, 12.0, 918.0, 930.0], vec![0.0, 1.5, 1.5, 0.0])?);
@@ -83,7 +83,7 @@
 
 pub mod aircraft;
 pub mod coherence;
-pub mod distance;
+mod distance;
 pub mod ensemble;
 pub mod error;
 pub mod extremes;
@@ -101,7 +101,7 @@ mod path;
 pub mod profile;
 #[cfg(feature = "python")]
 mod python;
-pub mod random;
+mod random;
 pub mod readout;
 pub mod roughness;
 pub mod row;

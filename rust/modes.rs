@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use crate::aircraft::{Aircraft, Gear, gram};
-use crate::error::{Error, Place, Result, finite, not_negative, positive};
+use crate::error::{Error, Place, Result, finite, moderate, not_negative};
 use crate::strains::orthogonal_strains;
 
 /// How far ΦᵀMΦ of given shapes may be from the identity: three printed digits, as in
@@ -20,6 +20,17 @@ const MOST_DAMPING: f64 = 1e6;
 
 /// Components within this share of each other are a tie when the sign of a mode is chosen.
 const TIE: f64 = 1e-9;
+
+/// Where the damping ratios of an aircraft's own modes come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Damping<'a> {
+    /// The gears' dampers (Eq. 11).
+    Dampers,
+    /// One ratio for all modes.
+    All(f64),
+    /// One ratio per mode.
+    Each(&'a [f64]),
+}
 
 /// Modes of an aircraft, its own or measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,16 +66,16 @@ pub(crate) struct Statics {
 }
 
 impl Modes {
-    /// The aircraft's own modes with given damping ratios, or with those of its dampers (Eq. 11).
+    /// The aircraft's own modes.
     ///
     /// # Errors
     /// A negative or non-finite ratio, a wrong number of them, no convergence.
-    pub fn natural(aircraft: Arc<Aircraft>, damping_ratio: Option<&[f64]>) -> Result<Self> {
+    pub fn natural(aircraft: Arc<Aircraft>, damping: Damping) -> Result<Self> {
         let (omega, shapes) = eigen(&aircraft)?;
-        let damping_ratio = match damping_ratio {
-            Some([one]) => vec![check_ratio("damping_ratio".into(), *one)?; omega.len()],
-            Some(each) => check_ratios(each, omega.len())?,
-            None => {
+        let damping_ratio = match damping {
+            Damping::All(ratio) => vec![check_ratio("damping_ratio".into(), ratio)?; omega.len()],
+            Damping::Each(ratios) => check_ratios(ratios, omega.len())?,
+            Damping::Dampers => {
                 let ratio = |(shape, omega): (&Vector3<f64>, &f64)| {
                     rayleigh(&aircraft, shape, |gear| gear.damping) / (2.0 * omega)
                 };
@@ -92,11 +103,7 @@ impl Modes {
             return Err(Error::TooShort { argument: "omega", found: 0, least: 1 });
         }
         for (i, &value) in omega.iter().enumerate() {
-            positive(Place::at("omega", i), value)?;
-            if !(1e-100..1e100).contains(&value) {
-                let place = Place::at("omega", i);
-                return Err(Error::OutOfRange { place, value, why: "1e-100 to 1e100 is allowed" });
-            }
+            moderate(Place::at("omega", i), value)?;
         }
         let damping_ratio = check_ratios(damping_ratio, omega.len())?;
         if shapes.len() != omega.len() {
@@ -283,7 +290,7 @@ fn check_ratios(ratios: &[f64], modes: usize) -> Result<Vec<f64>> {
             argument: "damping_ratio",
             found: ratios.len(),
             expected: modes,
-            why: "one per mode",
+            why: "one per mode, or a number for all",
         });
     }
     ratios.iter().enumerate().map(|(i, &z)| check_ratio(Place::at("damping_ratio", i), z)).collect()

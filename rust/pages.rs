@@ -5,12 +5,12 @@
 
 use std::ops::Range;
 
-/// Arrays that will be written to row by row, and how many rows of them are there.
+/// Arrays that will be written to row by row.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pages {
     /// The addresses of each, and the bytes of a row.
     arrays: Vec<(Range<usize>, usize)>,
-    /// So many.
+    /// Rows fetched so far.
     rows: usize,
 }
 

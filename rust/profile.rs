@@ -4,7 +4,7 @@ use crate::distance::Distance;
 use crate::error::{Error, Place, Result, finite, non_decreasing, positive};
 
 /// Largest elevation and slope: their squares must stay in double precision.
-const STEEPEST: f64 = 1e100;
+pub(crate) const LARGEST: f64 = 1e100;
 
 /// Shortest footprint as a share of the stations: below it x ± length/2 has too few digits.
 const SHORTEST_FOOTPRINT: f64 = 1e-9;
@@ -49,7 +49,7 @@ impl Profile {
         non_decreasing("x", &x)?;
         for (i, &value) in z.iter().enumerate() {
             let place = Place::at("z", i);
-            if finite(place, value)?.abs() > STEEPEST {
+            if finite(place, value)?.abs() > LARGEST {
                 return Err(Error::OutOfRange { place, value, why: "elevations up to 1e100 are allowed" });
             }
         }
@@ -58,12 +58,8 @@ impl Profile {
         for i in 1..x.len() {
             let (run, rise) = (x[i] - x[i - 1], z[i] - z[i - 1]);
             if !run.is_finite() {
-                let place = Place::at("x", i);
-                return Err(Error::OutOfRange {
-                    place,
-                    value: x[i],
-                    why: "the step from the station before it",
-                });
+                let (place, why) = (Place::at("x", i), "the distance from the station before it overflows");
+                return Err(Error::OutOfRange { place, value: x[i], why });
             }
             exact &= Distance::sum(x[i], -x[i - 1]) == Distance::exactly(run);
             if run > 0.0 {
@@ -71,7 +67,7 @@ impl Profile {
                 finest = finest.min(run);
                 coarsest = coarsest.max(run);
             }
-            if slopes[i].abs() > STEEPEST {
+            if slopes[i].abs() > LARGEST {
                 let place = Place::at("z", i);
                 return Err(Error::OutOfRange { place, value: z[i], why: "slopes up to 1e100 are allowed" });
             }
@@ -108,7 +104,7 @@ impl Profile {
         finite("height", height)?;
         finite("start", start)?;
         if segments < 2 {
-            return Err(Error::TooShort { argument: "segments", found: segments, least: 2 });
+            return Err(Error::TooFew { argument: "segments", value: segments, least: 2 });
         }
         let share = |i: usize| i as f64 / segments as f64;
         let x = (0..=segments).map(|i| start + length * share(i)).collect();

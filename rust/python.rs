@@ -15,8 +15,10 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
 
 use crate::aircraft::{self, Inertia};
+use crate::ensemble::{Case, Shape, Source};
 use crate::error::{Error, Place, Result};
 use crate::extremes::Extreme;
+use crate::modes::Damping;
 use crate::readout::Quantity;
 use crate::roughness::Stretch;
 use crate::spectrum::PowerLaw;
@@ -117,6 +119,18 @@ impl Aircraft {
     fn static_load<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.0.static_load())
     }
+
+    /// Number of modes.
+    fn rank(&self) -> usize {
+        self.0.rank()
+    }
+}
+
+/// One number for all modes, or one per mode.
+#[derive(FromPyObject)]
+enum DampingRatio<'py> {
+    All(f64),
+    Each(PyReadonlyArray1<'py, f64>),
 }
 
 #[pyclass(frozen, module = "runway_modal._core")]
@@ -126,14 +140,14 @@ struct Modes(Arc<modes::Modes>);
 impl Modes {
     #[staticmethod]
     #[pyo3(signature = (aircraft, damping_ratio))]
-    fn natural(
-        py: Python,
-        aircraft: &Aircraft,
-        damping_ratio: Option<PyReadonlyArray1<f64>>,
-    ) -> PyResult<Self> {
-        let ratio = damping_ratio.map(|array| array.as_array().to_vec());
+    fn natural(py: Python, aircraft: &Aircraft, damping_ratio: Option<DampingRatio>) -> PyResult<Self> {
+        let damping = match &damping_ratio {
+            None => Damping::Dampers,
+            Some(DampingRatio::All(ratio)) => Damping::All(*ratio),
+            Some(DampingRatio::Each(ratios)) => Damping::Each(ratios.as_slice()?),
+        };
         let aircraft = Arc::clone(&aircraft.0);
-        let modes = py.detach(|| modes::Modes::natural(aircraft, ratio.as_deref()))?;
+        let modes = py.detach(|| modes::Modes::natural(aircraft, damping))?;
         Ok(Self(Arc::new(modes)))
     }
 
@@ -242,8 +256,8 @@ type Sampled<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound
 /// See [`Run::states`].
 type States<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 
-/// A new array whose values are yet to be written. NumPy makes it, and knows the error to raise where
-/// there is no room.
+/// A new array whose values are yet to be written: callers hand out none that they have not written.
+/// NumPy makes it, and knows the error to raise where there is no room.
 fn blank<const N: usize>(
     py: Python<'_>,
     shape: [usize; N],
@@ -325,7 +339,6 @@ impl Run {
     /// Modal displacements and rates.
     fn states<'py>(&self, py: Python<'py>, times: PyReadonlyArray1<f64>) -> PyResult<States<'py>> {
         let times = times.as_slice()?;
-        self.0.check_times(times)?;
         let shape = [times.len(), self.0.modes().omega().len()];
         let (modal, rate) = (blank(py, shape)?, blank(py, shape)?);
         {
@@ -441,7 +454,7 @@ impl Course {
             "max_acceleration" => Target::MaxAcceleration(point.0, point.1),
             other => return Err(PyValueError::new_err(format!("no quantity '{other}'"))),
         };
-        let range = SpeedRange { low: speeds.0, high: speeds.1, tolerance, most_runs: max_runs };
+        let range = SpeedRange { low: speeds.0, high: speeds.1, tolerance, max_runs };
         let worst = detached(py, |pulse| self.0.worst(target, range, pulse))?;
         Ok((worst.speed, worst.value, worst.bound, worst.runs))
     }
@@ -464,22 +477,21 @@ fn many<'py, T: numpy::Element + Copy + Into<f64> + Sync>(
     elevations: &PyReadonlyArray3<T>,
     mask: bool,
 ) -> PyResult<Many<'py>> {
-    let runs = elevations.as_array().dim().0;
-    let memory = ensemble::Memory::new(elevations.as_slice()?, plan.tracks, plan.stations);
-    run_many(py, plan, runs, &memory, mask, |run| memory.fault(run))
+    let (runs, tracks, stations) = elevations.as_array().dim();
+    let memory = ensemble::Memory::new(elevations.as_slice()?, Shape { runs, tracks, stations })?;
+    run_many(py, plan, &memory, mask, |run| memory.fault(run))
 }
 
 /// Runs all; `fault` says why one gave no result.
 fn run_many<'py>(
     py: Python<'py>,
     plan: &ensemble::Plan,
-    runs: usize,
-    source: &impl ensemble::Source,
+    source: &impl Source,
     mask: bool,
     fault: impl Fn(usize) -> Error + Sync,
 ) -> PyResult<Many<'py>> {
     let (found, failed) = detached(py, |pulse| {
-        let found = ensemble::simulate(plan, runs, source, pulse)?;
+        let found = ensemble::simulate(plan, source, pulse)?;
         match found.failed.first() {
             Some(&run) if !mask => return Err(fault(run)),
             _ => (),
@@ -488,11 +500,12 @@ fn run_many<'py>(
         Ok((found, failed))
     })?;
     let columns = |values: Vec<f64>, count: usize| {
-        numpy::ndarray::Array2::from_shape_vec((runs, count), values)
+        numpy::ndarray::Array2::from_shape_vec((source.shape().runs, count), values)
             .map(|array| PyArray2::from_owned_array(py, array))
             .map_err(|error| PyValueError::new_err(error.to_string()))
     };
-    let (gears, points) = (plan.gears(), plan.points[0].len());
+    let (gears, points) =
+        plan.cases.first().map_or((0, 0), |one| (one.modes.aircraft().gears().len(), one.points.len()));
     let columns = [
         columns(found.max_load, gears)?,
         columns(found.min_load, gears)?,
@@ -520,14 +533,12 @@ fn simulate_many<'py>(
     mask: bool,
     between: bool,
 ) -> PyResult<Many<'py>> {
-    let dim = match &elevations {
-        Elevations::Double(array) => array.as_array().dim(),
-        Elevations::Single(array) => array.as_array().dim(),
+    let case = |(modes, stations): (&Py<Modes>, _)| Case {
+        modes: Arc::clone(&modes.get().0),
+        points: points(stations),
     };
-    let points = stations.iter().map(points).collect();
-    let modes = modes.iter().map(|modes| Arc::clone(&modes.get().0)).collect();
-    let (tracks, stations) = (dim.1, dim.2);
-    let plan = ensemble::Plan { modes, speed, tracks, stations, spacing, points, damping_input, between };
+    let cases = modes.iter().zip(&stations).map(case).collect();
+    let plan = ensemble::Plan { cases, speed, spacing, damping_input, between };
     match elevations {
         Elevations::Double(array) => many(py, &plan, &array, mask),
         Elevations::Single(array) => many(py, &plan, &array, mask),
@@ -609,19 +620,16 @@ fn monte_carlo<'py>(
     mask: bool,
 ) -> PyResult<Many<'py>> {
     let plan = ensemble::Plan {
-        modes: vec![Arc::clone(&modes.0)],
+        cases: vec![Case { modes: Arc::clone(&modes.0), points: points(&stations) }],
         speed,
-        tracks: generator.0.track_of().len(),
-        stations: generator.0.stations(),
         spacing: generator.0.spacing(),
-        points: vec![points(&stations)],
         damping_input,
         between: true,
     };
-    let source = roughness::Runs { generator: &generator.0, first: first_run };
+    let source = roughness::Runs { generator: &generator.0, first: first_run, count: runs };
     // Elevations that are made are finite: only the motion can leave the range.
     let number = |run| Place::at("run", first_run as usize + run);
-    run_many(py, &plan, runs, &source, mask, |run| Error::RunOverflow { place: number(run) })
+    run_many(py, &plan, &source, mask, |run| Error::RunOverflow { place: number(run) })
 }
 
 #[pyfunction]

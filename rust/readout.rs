@@ -111,8 +111,8 @@ impl Form {
         form
     }
 
-    /// Adds a weight of the rise of a track since the start, u_t − u_t(0), as that of track 0 and
-    /// u_t − u_0. The caller is to take off what is left: weight × (u_t(0) − u_0(0)).
+    /// Adds weight × (u_t − u_t(0)), the rise of a track since the start, as those of track 0 and of
+    /// u_t − u_0. It leaves weight × (u_t(0) − u_0(0)) for the caller to subtract.
     fn add_height(&mut self, track: usize, weight: f64) {
         self.height[0] += weight;
         if track != 0 {

@@ -19,7 +19,7 @@
 use multiversion::multiversion;
 
 use crate::coherence::Coherency;
-use crate::ensemble::{Reader, Simd, Source};
+use crate::ensemble::{Reader, Shape, Simd, Source};
 use crate::error::{Error, Result, finite, positive};
 use crate::fourier::{NONE, Term, Transform, times};
 use crate::parallel::{self, Tools};
@@ -192,7 +192,7 @@ impl Generator {
         &self.track_of
     }
 
-    /// Room for one block; of memory when it is filled.
+    /// An empty block: to fill it takes the memory.
     #[must_use]
     pub fn block(&self) -> Block {
         Block { tracks: vec![Vec::new(); self.tracks], noise: vec![[[Row::ZERO; LINES]; 2]; self.tracks] }
@@ -220,7 +220,7 @@ impl Generator {
                 || self.block(),
                 |block| {
                     self.fill_from(first_run.wrapping_add((i * RUNS) as u64), block, pulse)?;
-                    self.tracks_of(block, runs, pulse)
+                    self.unpack(block, runs, pulse)
                 },
             )
         })?;
@@ -228,7 +228,7 @@ impl Generator {
     }
 
     /// Takes the profiles of a block apart: (run, track, station).
-    fn tracks_of(&self, block: &Block, runs: &mut [f64], pulse: Pulse) -> Result<()> {
+    fn unpack(&self, block: &Block, runs: &mut [f64], pulse: Pulse) -> Result<()> {
         let mut watch = Watch::new(pulse);
         let run_size = self.track_of.len() * self.stations;
         for (t, &track) in self.track_of.iter().enumerate() {
@@ -260,6 +260,8 @@ pub struct Runs<'a> {
     pub generator: &'a Generator,
     /// The first one's number.
     pub first: u64,
+    /// So many.
+    pub count: usize,
 }
 
 /// Makes a block of runs, then lets it be read.
@@ -275,6 +277,10 @@ impl Source for Runs<'_> {
     where
         Self: 'a;
 
+    fn shape(&self) -> Shape {
+        Shape { runs: self.count, tracks: self.generator.track_of.len(), stations: self.generator.stations }
+    }
+
     fn reader(&self) -> RunsReader<'_> {
         RunsReader { runs: *self, block: self.generator.block() }
     }
@@ -282,7 +288,7 @@ impl Source for Runs<'_> {
 
 impl Reader for RunsReader<'_> {
     fn open(&mut self, first: usize, _count: usize, pulse: Pulse) -> Result<()> {
-        let Runs { generator, first: first_of_all } = self.runs;
+        let Runs { generator, first: first_of_all, .. } = self.runs;
         generator.fill_from(first_of_all.wrapping_add(first as u64), &mut self.block, pulse)
     }
 

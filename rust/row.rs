@@ -6,8 +6,8 @@ use crate::lanes::entrywise;
 pub const RUNS: usize = 8;
 
 /// A number of each of the runs side by side, on which arithmetic acts run by run. Written out like
-/// [`Lanes`](crate::lanes::Lanes), but aligned to a cache line, and `max` and `min` pass over NaN. No
-/// operation mixes runs or is fused: a run's bits depend neither on its neighbours nor on the width.
+/// [`Lanes`](crate::lanes::Lanes), but aligned to a cache line. No operation mixes runs or is fused: a
+/// run's bits depend neither on its neighbours nor on the width.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct Row(pub [f64; RUNS]);
@@ -27,20 +27,6 @@ impl Row {
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         let ([a, b, c, d, e, g, h, i], [j, k, l, m, n, o, p, q]) = (self.0, other.0);
         Self([f(a, j), f(b, k), f(c, l), f(d, m), f(e, n), f(g, o), f(h, p), f(i, q)])
-    }
-
-    /// The larger of two; the other where one is NaN.
-    #[inline(always)]
-    #[must_use]
-    pub fn max(self, other: Self) -> Self {
-        self.zip(other, f64::max)
-    }
-
-    /// The smaller of two; the other where one is NaN.
-    #[inline(always)]
-    #[must_use]
-    pub fn min(self, other: Self) -> Self {
-        self.zip(other, f64::min)
     }
 }
 

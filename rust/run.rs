@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use crate::distance::Distance;
-use crate::error::{Error, Place, Result, non_decreasing, positive};
+use crate::error::{Error, Place, Result, moderate, non_decreasing, positive};
 use crate::lanes::Lanes;
 use crate::modes::Modes;
 use crate::profile::Profile;
@@ -33,14 +33,6 @@ const LONGEST_PHASE: f64 = 1e12;
 
 /// Latest time on a level runway: its distance must stay in double precision.
 const LONGEST_TIME: f64 = 1e200;
-
-/// Refuses a speed that is not positive or whose powers leave the range of double precision.
-pub(crate) fn check_speed(place: Place, speed: f64) -> Result<f64> {
-    if !(1e-100..1e100).contains(&positive(place, speed)?) {
-        return Err(Error::OutOfRange { place, value: speed, why: "1e-100 to 1e100 is allowed" });
-    }
-    Ok(speed)
-}
 
 /// Refuses a wrong number of profiles.
 pub(crate) fn check_tracks(modes: &Modes, profiles: &[Arc<Profile>]) -> Result<()> {
@@ -91,7 +83,7 @@ impl Run {
         speed: f64,
         damping_input: bool,
     ) -> Result<Self> {
-        check_speed("speed".into(), speed)?;
+        moderate("speed", speed)?;
         let aircraft = modes.aircraft();
         let gears = aircraft.gears();
         check_tracks(&modes, profiles)?;
@@ -171,11 +163,9 @@ impl Run {
         Err(Error::OutOfRange { place: place.into(), value: time, why })
     }
 
-    /// Checks times given by a caller: finite, never decreasing, at least one.
-    ///
-    /// # Errors
-    /// Times that are not so, or so late that a phase has no digits left.
-    pub fn check_times(&self, times: &[f64]) -> Result<()> {
+    /// Checks times given by a caller: finite, never decreasing, at least one, none so late that a phase
+    /// has no digits left.
+    pub(crate) fn check_times(&self, times: &[f64]) -> Result<()> {
         non_decreasing("times", times)?;
         let (Some(first), Some(last)) = (times.first(), times.last()) else {
             return Err(Error::TooShort { argument: "times", found: 0, least: 1 });
@@ -210,7 +200,7 @@ impl Run {
         let begin = self.first_time().min(0.0);
         let (name, end) = match duration {
             Some(end) => ("duration", positive("duration", end)?),
-            None => (DEFAULT_DURATION, self.last_time().max(0.0) + AFTER_LAST_KNOT),
+            None => (DEFAULT_DURATION, self.span()?.1),
         };
         self.check_span(name, end)?;
         let step = std::f64::consts::TAU / (self.oscillators.fastest() * SAMPLES_PER_PERIOD);

@@ -306,11 +306,14 @@ impl Run {
     /// Modal displacements and rates at `times`, row by row, one column a mode.
     ///
     /// # Errors
-    /// An overflow, or what `pulse` gives.
+    /// Times that cannot be sampled, an overflow, or what `pulse` gives.
     ///
     /// # Panics
-    /// If a slice is too short.
+    /// If a slice has another length than rows times columns.
     pub fn states(&self, times: &[f64], modal: &mut [f64], rate: &mut [f64], pulse: Pulse) -> Result<()> {
+        self.check_times(times)?;
+        let size = times.len() * self.modes.omega().len();
+        assert!(modal.len() == size && rate.len() == size, "modal or rate: not a row per time");
         let mut rows = self.rows(modal, rate);
         sample_times(self, times, &mut rows, pulse)?;
         self.check_last(times, rate)
@@ -326,11 +329,19 @@ impl Run {
     /// A quantity at `times`, row by row.
     ///
     /// # Errors
-    /// An overflow, or what `pulse` gives.
+    /// Times that cannot be sampled, an overflow, or what `pulse` gives.
+    ///
+    /// # Panics
+    /// If `out` has another length than rows times columns.
     pub fn read(&self, quantity: &Quantity, times: &[f64], out: &mut [f64], pulse: Pulse) -> Result<()> {
+        self.check_times(times)?;
         let forms = Form::all(self, quantity);
         let mut heights = Heights::new(self, &forms);
         let width = forms.len();
+        assert_eq!(out.len(), times.len() * width, "out: not a row per time");
+        if width == 0 {
+            return Ok(());
+        }
         let mut inside = Inside::new(self);
         at_times(self, times, pulse, |segment, row, times| {
             let rows = out[row * width..].chunks_exact_mut(width);
@@ -347,9 +358,14 @@ impl Run {
     /// Elevation under each gear at `times`, row by row; at a step, after it.
     ///
     /// # Errors
-    /// What `pulse` gives.
+    /// Times that cannot be sampled, or what `pulse` gives.
+    ///
+    /// # Panics
+    /// If `out` has another length than rows times columns.
     pub fn elevations(&self, times: &[f64], out: &mut [f64], pulse: Pulse) -> Result<()> {
+        self.check_times(times)?;
         let width = self.track_of.len();
+        assert_eq!(out.len(), times.len() * width, "out: not a row per time");
         at_times(self, times, pulse, |segment, row, times| {
             for (row, &time) in out[row * width..].chunks_exact_mut(width).zip(times) {
                 for (value, &track) in row.iter_mut().zip(&self.track_of) {

@@ -14,7 +14,7 @@ use crate::pages::Pages;
 use crate::parallel::thread_count;
 use crate::run::Run;
 
-/// Fewer knots are not worth a thread: a few milliseconds' of marching. A thread that has to wait for a
+/// Fewer knots are marched over in a few milliseconds, and not worth a thread: one that has to wait for a
 /// core costs more than it gives.
 const WORTH: usize = 1 << 19;
 
@@ -25,7 +25,7 @@ const WORTH_SHARED: usize = 1 << 21;
 /// Blocks that change threads together: waking the other takes as long as a march over some of them.
 const TOGETHER: usize = 256;
 
-/// So many times: one lot is marched over, one waits, one is found.
+/// Lots in circulation: one is marched over, one waits, one is found.
 const LOTS: usize = 3;
 
 /// Gives one block of knots after another.
@@ -145,7 +145,7 @@ mod tests {
 
     use super::*;
     use crate::aircraft::{Aircraft, Gear, Inertia};
-    use crate::modes::Modes;
+    use crate::modes::{Damping, Modes};
     use crate::profile::Profile;
 
     /// More blocks than change threads together, and vertical steps.
@@ -155,7 +155,7 @@ mod tests {
         let inertia = Inertia { mass: 145.5, pitch: 1.92e6, roll: 6.56e5, gravity: 386.0886 };
         let gear = |name, x, y, stiffness| Gear::new(name, x, y, stiffness, 0.0).unwrap();
         let gears = vec![gear("nose", 234.9, 0.0, 1502.0), gear("main", -44.35, 0.0, 18204.0)];
-        let modes = Modes::natural(Arc::new(Aircraft::new(inertia, gears).unwrap()), None);
+        let modes = Modes::natural(Arc::new(Aircraft::new(inertia, gears).unwrap()), Damping::Dampers);
         let mut station = 0.0;
         let x = (0..STATIONS).map(|i| {
             station += spacing(i);

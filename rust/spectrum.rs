@@ -2,7 +2,7 @@
 
 use libm::{expm1, log, log1p, pow};
 
-use crate::error::{Error, Place, Result, finite, positive};
+use crate::error::{Error, Place, Result, finite, is_moderate, positive};
 
 /// One-sided power spectral density of elevation against spatial frequency n, in cycles per
 /// length; its integral over n is the variance of the elevation.
@@ -131,7 +131,7 @@ impl Spectrum {
 }
 
 fn check_range(place: impl Into<Place>, value: f64, consequence: f64) -> Result<()> {
-    if (1e-100..1e100).contains(&consequence) {
+    if is_moderate(consequence) {
         return Ok(());
     }
     let why = "densities and variance must lie between 1e-100 and 1e100 all over the band";

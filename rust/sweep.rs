@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::error::{Place, Result};
+use crate::error::{Place, Result, moderate};
 use crate::extremes::Extreme;
 use crate::modes::Modes;
 use crate::parallel;
 use crate::profile::Profile;
 use crate::readout::Quantity;
-use crate::run::{Run, check_speed, check_tracks};
+use crate::run::{Run, check_tracks};
 use crate::watch::Pulse;
 
 /// All of a run but its speed.
@@ -49,7 +49,7 @@ impl Course {
     /// A speed out of range, an overflow, or what `pulse` gives.
     pub fn sweep(&self, speeds: &[f64], quantities: &[Quantity], pulse: Pulse) -> Result<Vec<Vec<Extreme>>> {
         for (i, &speed) in speeds.iter().enumerate() {
-            check_speed(Place::at("speeds", i), speed)?;
+            moderate(Place::at("speeds", i), speed)?;
         }
         parallel::map(speeds, pulse, |&speed, pulse| {
             let run = self.at(speed)?;

@@ -34,12 +34,12 @@
 
 use nalgebra::Vector3;
 
-use crate::error::{Error, Place, Result, not_negative, positive};
+use crate::error::{Error, Place, Result, moderate, not_negative, positive};
 use crate::extremes::Extreme;
 use crate::modes::Modes;
 use crate::parallel;
 use crate::readout::Quantity;
-use crate::run::{Run, check_speed};
+use crate::run::Run;
 use crate::sweep::Course;
 use crate::watch::Pulse;
 
@@ -67,7 +67,7 @@ pub struct SpeedRange {
     /// How much worse than the worst value found a speed not tried may be.
     pub tolerance: f64,
     /// No more runs than this in all; the first 66 are always made.
-    pub most_runs: usize,
+    pub max_runs: usize,
 }
 
 /// The worst speed.
@@ -233,15 +233,14 @@ impl Course {
     /// A gear that is not there, a range out of order, a tolerance that is not positive or asks for too
     /// many runs, an overflow, or what `pulse` gives.
     pub fn worst(&self, target: Target, range: SpeedRange, pulse: Pulse) -> Result<Worst> {
-        let SpeedRange { low, high, tolerance, most_runs } = range;
-        check_speed(Place::at("speeds", 0), low)?;
-        check_speed(Place::at("speeds", 1), high)?;
+        let SpeedRange { low, high, tolerance, max_runs } = range;
+        moderate(Place::at("speeds", 0), low)?;
+        moderate(Place::at("speeds", 1), high)?;
         not_negative("speeds[1] - speeds[0]", high - low)?;
         positive("tolerance", tolerance)?;
         let (index, count) = target.index(self.modes.aircraft().gears().len());
         if index >= count {
-            let why = "there are not so many gears";
-            return Err(Error::OutOfRange { place: "target".into(), value: index as f64, why });
+            return Err(Error::NoSuchGear { index, gears: count });
         }
         let sensitivity = Sensitivity::new(target, self);
         let worst = (low, f64::NEG_INFINITY);
@@ -268,9 +267,9 @@ impl Course {
             if live.is_empty() {
                 return Ok(worst);
             }
-            if search.runs + 2 * live.len() > most_runs {
+            if search.runs + 2 * live.len() > max_runs {
                 let Worst { speed, value, bound, runs } = worst;
-                return Err(Error::Unresolved { tolerance, runs, value, speed, bound });
+                return Err(Error::Unresolved { tolerance, max_runs, runs, value, speed, bound });
             }
             live = search.cut(live, pulse)?;
         }
@@ -322,6 +321,7 @@ mod tests {
 
     use super::*;
     use crate::aircraft::{Aircraft, Gear, Inertia};
+    use crate::modes::Damping;
     use crate::profile::Profile;
 
     fn course(zeta: f64, profile: Profile, damping_input: bool) -> Course {
@@ -333,7 +333,7 @@ mod tests {
             gear("right", -44.35, -109.25, 9102.0),
         ];
         let aircraft = Arc::new(Aircraft::new(inertia, gears).unwrap());
-        let modes = Arc::new(Modes::natural(aircraft, Some(&[zeta])).unwrap());
+        let modes = Arc::new(Modes::natural(aircraft, Damping::All(zeta)).unwrap());
         let profile = Arc::new(profile);
         Course::new(modes, vec![profile; 3], damping_input).unwrap()
     }
@@ -384,7 +384,7 @@ mod tests {
     fn half_periods_sum_the_impulse_response() {
         for (zeta, radians) in [(0.0, 20.0), (0.01, 7.0), (0.2, 40.0), (1.0, 9.0), (3.0, 50.0)] {
             let (decay, d) = half_periods(radians, zeta);
-            // ω = 1; h from its recurrence by the trapezoidal rule.
+            // ω = 1; h by the midpoint rule, its integrals by the trapezoidal one.
             let (step, mut h, mut rate) = (1e-4, 0.0_f64, 1.0_f64);
             let (mut int_h, mut int_h1) = (0.0, 0.0);
             for _ in 0..(radians / step) as usize {

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use runway_modal::aircraft::{Aircraft, Gear, Inertia};
-use runway_modal::ensemble::{Memory, Plan, Reader, Simd, Source, simulate};
+use runway_modal::ensemble::{Case, Memory, Plan, Reader, Shape, Simd, Source, simulate};
 use runway_modal::error::{Error, Result};
-use runway_modal::modes::Modes;
+use runway_modal::modes::{Damping, Modes};
 use runway_modal::row::Row;
 use runway_modal::watch::Pulse;
 
@@ -20,16 +20,9 @@ fn plan() -> Plan {
         gear("right", -44.35, -109.25, 9102.0),
     ];
     let aircraft = Arc::new(Aircraft::new(inertia, gears).unwrap());
-    Plan {
-        modes: vec![Arc::new(Modes::natural(aircraft, Some(&[0.01])).unwrap())],
-        speed: vec![500.0],
-        tracks: 3,
-        stations: STATIONS,
-        spacing: 10.0,
-        points: vec![vec![(0.0, 0.0)]],
-        damping_input: false,
-        between: true,
-    }
+    let modes = Arc::new(Modes::natural(aircraft, Damping::All(0.01)).unwrap());
+    let cases = vec![Case { modes, points: vec![(0.0, 0.0)] }];
+    Plan { cases, speed: vec![500.0], spacing: 10.0, damping_input: false, between: true }
 }
 
 /// Repeatable roughness, made where it is needed.
@@ -41,7 +34,8 @@ fn elevation(run: usize, track: usize, station: usize) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-struct Made;
+/// So many runs.
+struct Made(usize);
 
 struct MadeReader {
     first: usize,
@@ -50,6 +44,10 @@ struct MadeReader {
 
 impl Source for Made {
     type Reader<'a> = MadeReader;
+
+    fn shape(&self) -> Shape {
+        Shape { runs: self.0, tracks: 3, stations: STATIONS }
+    }
 
     fn reader(&self) -> MadeReader {
         MadeReader { first: 0, count: 0 }
@@ -74,27 +72,49 @@ impl Reader for MadeReader {
 
 #[test]
 fn made_on_the_way_as_from_memory() {
-    const RUNS: usize = 21;
+    let made = Made(21);
     let at = |i: usize| elevation(i / STATIONS / 3, i / STATIONS % 3, i % STATIONS);
-    let elevations: Vec<f64> = (0..RUNS * 3 * STATIONS).map(at).collect();
-    let memory = Memory::new(&elevations, 3, STATIONS);
-    let made = simulate(&plan(), RUNS, &Made, &mut || Ok(())).unwrap();
-    assert_eq!(made, simulate(&plan(), RUNS, &memory, &mut || Ok(())).unwrap());
-    assert!(made.failed.is_empty());
-    assert_eq!(made.max_load.len(), 3 * RUNS);
-    assert!(made.rms_acceleration.iter().all(|&rms| rms > 0.0));
+    let elevations: Vec<f64> = (0..21 * 3 * STATIONS).map(at).collect();
+    let memory = Memory::new(&elevations, made.shape()).unwrap();
+    let found = simulate(&plan(), &made, &mut || Ok(())).unwrap();
+    assert_eq!(found, simulate(&plan(), &memory, &mut || Ok(())).unwrap());
+    assert!(found.failed.is_empty());
+    assert_eq!(found.max_load.len(), 3 * 21);
+    assert!(found.rms_acceleration.iter().all(|&rms| rms > 0.0));
+}
+
+#[test]
+fn plans_that_do_not_fit_are_refused() {
+    let refused = |plan: Plan, shape: Shape, words: &str| {
+        let elevations = vec![0.0; shape.runs * shape.tracks * shape.stations];
+        let memory = Memory::new(&elevations, shape).unwrap();
+        let said = simulate(&plan, &memory, &mut || Ok(())).unwrap_err().to_string();
+        assert!(said.contains(words), "{said}");
+    };
+    let shape = Shape { runs: 2, tracks: 3, stations: 4 };
+    refused(Plan { cases: Vec::new(), ..plan() }, shape, "modes has 0 entries, 2 expected");
+    refused(Plan { speed: vec![1.0; 3], ..plan() }, shape, "speed has 3 entries, 2 expected");
+    refused(Plan { spacing: -1.0, ..plan() }, shape, "spacing = -1.0");
+    let mut cases = vec![plan().cases[0].clone(), plan().cases[0].clone()];
+    cases[1].points.clear();
+    refused(Plan { cases, ..plan() }, shape, "stations has 0 entries, 1 expected");
+    refused(plan(), Shape { tracks: 2, ..shape }, "elevations[0] has 2 entries, 3 expected");
+    refused(plan(), Shape { stations: 0, ..shape }, "elevations has 0 entries");
+    assert!(Memory::new(&[0.0; 5], shape).is_err());
+    let none = Memory::<f64>::new(&[], Shape { runs: 0, ..shape }).unwrap();
+    assert!(simulate(&plan(), &none, &mut || Ok(())).unwrap().max_load.is_empty());
 }
 
 #[test]
 fn a_caller_can_stop() {
-    let stopped = simulate(&plan(), 1_000_000, &Made, &mut || Err(Error::Interrupted));
+    let stopped = simulate(&plan(), &Made(1_000_000), &mut || Err(Error::Interrupted));
     assert_eq!(stopped, Err(Error::Interrupted));
 }
 
 /// What these runs give, bit by bit, on any machine and from any build.
 #[test]
 fn same_bits_on_every_machine() {
-    let found = simulate(&Plan { damping_input: true, ..plan() }, 21, &Made, &mut || Ok(())).unwrap();
+    let found = simulate(&Plan { damping_input: true, ..plan() }, &Made(21), &mut || Ok(())).unwrap();
     let results =
         [found.max_load, found.min_load, found.rms_load, found.max_acceleration, found.rms_acceleration];
     let digest = results

@@ -206,6 +206,15 @@ def test_single_precision_is_read_as_it_is():
     assert (bits(found) == bits(rm.simulate_many(MODES, single.astype(float), 10.0, 500.0))).all()
 
 
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_elevations_anywhere_in_memory(kind):
+    given = runways(3).astype(kind)
+    crooked = np.frombuffer(b"." + given.tobytes(), kind, offset=1).reshape(given.shape)
+    assert not crooked.flags.aligned
+    found = [rm.simulate_many(MODES, each, 10.0, 500.0) for each in (given, crooked)]
+    assert (bits(found[0]) == bits(found[1])).all()
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("station", [0, 12, 99])
 def test_bad_elevations_are_named_and_masked(bad, station):
@@ -267,7 +276,7 @@ def test_lag_beyond_the_runway():
         ({"speed": [1.0, -2.0]}, r"speed\[1\] = -2.0 is not positive"),
         ({"speed": [1.0, 1e-12], "on_error": "mask"}, r"speed\[1\] = 1e-12 is out of range"),
         ({"speed": [1.0, 2.0, 3.0]}, "speed has 3 entries, 2 expected"),
-        ({"modes": [MODES]}, "modes has 1 entries, 2 expected"),
+        ({"modes": [MODES]}, "modes has 1 entry, 2 expected"),
         ({"modes": [MODES, 3]}, r"modes\[1\] = 3 is not a Modes"),
         ({"modes": [MODES, rm.single_dof(mass=1, omega=1, damping_ratio=0)]}, r"modes\[1\]: gear"),
         ({"on_error": "ignore"}, "on_error = 'ignore'"),

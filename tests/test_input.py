@@ -274,6 +274,8 @@ def variants(good: list[float]) -> dict[str, Any]:
     wide[:, 0] = good
     frozen = base.copy()
     frozen.flags.writeable = False
+    # As views into files and messages may be.
+    crooked = np.frombuffer(b"." + base.tobytes(), offset=1)
     return {
         "list": list(good),
         "tuple": tuple(good),
@@ -284,6 +286,7 @@ def variants(good: list[float]) -> dict[str, Any]:
         "strided": wide[:, 0],
         "reversed": base[::-1].copy()[::-1],
         "read-only": frozen,
+        "misaligned": crooked,
         "masked, nothing hidden": np.ma.array(base, mask=False),
     }
 
@@ -359,7 +362,7 @@ def test_masked_entry(name: str, good: list[float], make: Make, _allowed: str) -
 
 def test_profile_of_no_points_and_of_uneven_length() -> None:
     assert_refused(lambda: rm.Profile([], []), "x has 0 entries")
-    assert_refused(lambda: rm.Profile([0, 1], [0]), "z has 1 entries", "2 expected")
+    assert_refused(lambda: rm.Profile([0, 1], [0]), "z has 1 entry", "2 expected")
 
 
 def test_one_point_profile_is_level() -> None:

@@ -151,7 +151,7 @@ def test_sequence_goes_on_from_where_the_last_ended() -> None:
         ([STEP_UP, None], 0.0, r"profiles\[1\] = None is not a Profile"),
         ([STEP_UP] * 2, -1.0, r"gap\[0\] = -1.0 is negative or not finite"),
         ([STEP_UP] * 3, [1.0, np.nan], r"gap\[1\] = nan is negative or not finite"),
-        ([STEP_UP] * 3, [1.0], "gap has 1 entries, 2 expected"),
+        ([STEP_UP] * 3, [1.0], "gap has 1 entry, 2 expected"),
         ([STEP_UP] * 3, [[1.0, 2.0]], r"gap has shape \(1, 2\)"),
     ],
 )

@@ -483,7 +483,7 @@ GOOD = {"coefficient": 1.0, "reference": 0.1, "band": (0.1, 1.0)}
         ({"band": (0.0, 1.0)}, "band[0] = 0.0 is not positive"),
         ({"band": (1.0, 1.0)}, "band[1] = 1.0 is out of range"),
         ({"band": (1.0, np.nan)}, "band[1] = NaN is not finite"),
-        ({"band": (1.0,)}, "band has 1 entries"),
+        ({"band": (1.0,)}, "band has 1 entry"),
         ({"band": 1.0}, "band has shape ()"),
     ],
 )
@@ -495,8 +495,8 @@ def test_bad_power_law(wrong: dict[str, object], message: str) -> None:
 @pytest.mark.parametrize(
     ("n", "psd", "message"),
     [
-        ([0.1], [1.0], "n has 1 entries, at least 2 needed"),
-        ([0.1, 0.2], [1.0], "psd has 1 entries, 2 expected"),
+        ([0.1], [1.0], "n has 1 entry, at least 2 needed"),
+        ([0.1, 0.2], [1.0], "psd has 1 entry, 2 expected"),
         ([0.1, 0.1], [1.0, 1.0], "n[1] = 0.1 is out of range"),
         ([0.0, 0.1], [1.0, 1.0], "n[0] = 0.0 is not positive"),
         ([0.1, 0.2], [1.0, 0.0], "psd[1] = 0.0 is not positive"),
@@ -518,7 +518,7 @@ def test_bad_table(n: list[float], psd: list[float], message: str) -> None:
         ({"damping_input": 1}, "damping_input = 1 is not True or False"),
         ({"speed": 0.0}, "speed = 0.0 is not positive"),
         ({"speed": [1.0, 2.0]}, "speed has 2 entries, 3 expected"),
-        ({"speed": [1.0]}, "speed has 1 entries, 3 expected"),
+        ({"speed": [1.0]}, "speed has 1 entry, 3 expected"),
         ({"speed": [[1.0], [1.0, 2.0]]}, "speed is not a rectangular array"),
         ({"speed": [1.0, np.nan, 2.0]}, "speed[1] = NaN is not finite"),
         ({"runs": 0}, "runs = 0 must be at least 1"),

@@ -281,7 +281,7 @@ def test_other_bad_input() -> None:
         ({"max_runs": 200.5}, "max_runs = 200.5 is not a whole number"),
         (
             {"max_runs": 200, "tolerance": 1.0},
-            "tolerance = 1.0 takes more runs than allowed",
+            "tolerance = 1.0 takes more runs than max_runs = 200 allows",
         ),
     ],
 )

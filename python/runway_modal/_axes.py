@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ._core import InputError
 from ._extras import need
 from ._quantities import ACCELERATION_LIMIT
-from .units import THOUSAND, stated
+from .units import THOUSAND, check_units
 
 if TYPE_CHECKING:
     from collections.abc import Sequence, Sized
@@ -44,13 +44,13 @@ def new_axes() -> Axes:
 
 def axis_label(quantity: str, dimension: Dimension, units: Units | None) -> str:
     """Label of an axis, with the unit if units are given."""
-    units = stated(units)
+    units = check_units(units)
     return with_unit(quantity, units.name(dimension) if units else "")
 
 
 def load_unit(units: Units | None) -> tuple[float, str]:
     """Divisor for loads on an axis, and their unit there."""
-    units = stated(units)
+    units = check_units(units)
     if units is None:
         return 1.0, ""
     return (1e3, THOUSAND[units.force]) if units.force in THOUSAND else (1.0, units.force)
@@ -63,7 +63,7 @@ def with_unit(what: str, unit: str) -> str:
 
 def in_g(what: str, aircraft: Aircraft, units: Units | None) -> float:
     """Size of one g on an axis: standard gravity or, without units, the aircraft's."""
-    units = stated(units)
+    units = check_units(units)
     if units is not None:
         return units.standard_gravity
     if not aircraft.gravity:
@@ -113,7 +113,7 @@ def mark_static(ax: Axes, load: float, color: str, label: str = "") -> None:
 
 
 def name_static(ax: Axes) -> None:
-    """Name lines of static loads, each in its gear's colour, last in the legend and in none."""
+    """Name the lines of static loads, once for the gears in all colours, last in the legend."""
     if STATIC not in ax.get_legend_handles_labels()[1]:
         ax.plot([], [], color="0.35", lw=0.9, ls=STATIC_DASHES, label=STATIC)
 

@@ -70,12 +70,10 @@ def array(argument: str, values: ArrayLike, ndim: int | None = 1) -> NDArray[np.
     if given.dtype.kind not in "biuf":
         what = "text" if given.dtype.kind in "US" else given.dtype
         raise InputError(f"{argument} holds {what}, not real numbers")
-    if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
-        index = int(np.flatnonzero(np.ma.getmaskarray(given))[0])
-        raise InputError(f"{argument}[{index}] is masked")
+    refuse_masked(argument, given)
     if ndim is not None and given.ndim != ndim:
         raise InputError(f"{argument} has shape {given.shape}, {ndim} dimension(s) expected")
-    return np.asarray(given, dtype=np.float64, order="C")
+    return in_order(given, np.float64)
 
 
 def one_or_each(
@@ -87,8 +85,26 @@ def one_or_each(
         return np.array([number(argument, values)])
     each = array(argument, given)
     if count is not None and each.size != count:
-        raise InputError(f"{argument} has {each.size} entries, {count} expected (one per {of})")
+        raise InputError(f"{argument} has {entries(each.size)}, {count} expected (one per {of})")
     return each
+
+
+def in_order(values: NDArray[Any], dtype: type[np.floating[Any]]) -> NDArray[Any]:
+    """Values one after the other in memory, at addresses that the core can read."""
+    # What comes out of a file's or a message's buffer may begin anywhere.
+    ordered = np.ascontiguousarray(values, dtype=dtype).reshape(values.shape)
+    return ordered if ordered.flags.aligned else ordered.copy()
+
+
+def entries(count: int) -> str:
+    """So many entries, in words."""
+    return "1 entry" if count == 1 else f"{count} entries"
+
+
+def refuse_masked(argument: str, values: NDArray[Any]) -> None:
+    """Raise for the first masked value, if there is one."""
+    for index in np.argwhere(np.ma.getmaskarray(values)) if np.ma.is_masked(values) else ():
+        raise InputError(f"{argument}{_where(index)} is masked")
 
 
 def refuse(argument: str, values: NDArray[Any], wrong: NDArray[np.bool_], why: str) -> None:

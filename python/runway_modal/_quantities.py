@@ -35,7 +35,7 @@ ACCELERATION_LIMIT = 0.4
 DOWNWARD = ("min_load",)
 
 
-def labels(ensemble: Ensemble, quantity: str) -> tuple[str, ...]:
+def names_of(ensemble: Ensemble, quantity: str) -> tuple[str, ...]:
     """Names of the gears or stations that have a quantity."""
     of_gears = DIMENSIONS[quantity] == FORCE
     return ensemble.gear_names if of_gears else tuple(getattr(ensemble, quantity))

@@ -445,7 +445,8 @@ def single_dof(
     mass, omega = number("mass", mass), number("omega", omega)
     ratio = number("damping_ratio", damping_ratio)
     for key, value in (("mass", mass), ("omega", omega)):
-        if not 1e-100 < value < 1e100:
+        # Before a stiffness is made of them, which would take the blame.
+        if not 1e-100 <= value <= 1e100:
             raise InputError(f"{key} = {value!r} is not between 1e-100 and 1e100")
     if not 0 <= ratio < np.inf:
         raise InputError(f"damping_ratio = {ratio!r} is not a finite number ≥ 0")

@@ -10,10 +10,22 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import any_array, array, flag, integer, number, one_or_each, read_only, refuse
+from ._input import (
+    any_array,
+    array,
+    entries,
+    flag,
+    in_order,
+    integer,
+    number,
+    one_or_each,
+    read_only,
+    refuse,
+    refuse_masked,
+)
 from ._intervals import ranks, shares, student
 from ._pickled import Pickled
-from ._quantities import DIMENSIONS, DOWNWARD, column_of, labels
+from ._quantities import DIMENSIONS, DOWNWARD, column_of, names_of
 from ._text import table
 from .modes import Modes, check_modes
 
@@ -247,8 +259,8 @@ class Ensemble(Pickled):
         Raises
         ------
         InputError
-            If the quantity is unknown, no run could be computed or, with two runs or more,
-            `confidence` is not between 0 and 1.
+            If the quantity is unknown, no run could be computed or `confidence` is not between 0
+            and 1.
 
         Examples
         --------
@@ -258,15 +270,15 @@ class Ensemble(Pickled):
         >>> ensemble.mean("max_load").value.round(-2)
         array([[ 9500., 26900., 26900.]])
         """
-        values = self._sorted(quantity)
+        values, tail = self._sorted(quantity), _tail(confidence)
         runs = values.shape[0]
         mean = values.mean(axis=0, keepdims=True)
         half = np.full_like(mean, np.inf)
         if runs > 1:
             error = values.std(axis=0, ddof=1, keepdims=True) / math.sqrt(runs)
-            half = student(_tail(confidence), runs - 1) * error
+            half = student(tail, runs - 1) * error
         return Estimate(
-            names=labels(self, quantity),
+            names=names_of(self, quantity),
             asked=read_only(np.array([np.nan])),
             value=read_only(mean),
             low=read_only(mean - half),
@@ -322,7 +334,7 @@ class Ensemble(Pickled):
         enclosing = np.array([ranks(runs, float(p), tail) for p in asked], int).reshape(-1, 2)
         low, high = (bounded[rank] for rank in enclosing.T)
         return Estimate(
-            names=labels(self, quantity),
+            names=names_of(self, quantity),
             asked=read_only(asked.copy()),
             # Of few runs the largest may lie below the quantile, and an interpolation below that.
             value=read_only(np.quantile(values, asked, axis=0).clip(low, high)),
@@ -376,7 +388,7 @@ class Ensemble(Pickled):
             count = runs - count
         low, high = shares(count, runs, _tail(confidence))
         return Estimate(
-            names=labels(self, quantity),
+            names=names_of(self, quantity),
             asked=read_only(levels.copy()),
             value=read_only(count / runs),
             low=read_only(low),
@@ -749,21 +761,18 @@ def _elevations(values: ArrayLike) -> NDArray[Any]:
     given = any_array("elevations", values)
     if given.dtype.kind not in "biuf":
         raise InputError(f"elevations holds {given.dtype}, not real numbers")
-    if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
-        index = [int(i) for i in np.argwhere(np.ma.getmaskarray(given))[0]]
-        raise InputError(f"elevations{index} is masked")
+    refuse_masked("elevations", given)
     if given.ndim != 3 or 0 in given.shape:
         raise InputError(
             f"elevations has shape {given.shape}, (runs, tracks, stations) expected, none of them 0"
         )
-    single = given.dtype == np.float32
-    return np.ascontiguousarray(given, dtype=np.float32 if single else np.float64)
+    return in_order(given, np.float32 if given.dtype == np.float32 else np.float64)
 
 
 def _check_modes(each: list[Modes], *, one: bool, runs: int) -> None:
     """Check that each is a Modes, and all are of aircraft with the same names."""
     if not one and len(each) != runs:
-        raise InputError(f"modes has {len(each)} entries, {runs} expected (one per run)")
+        raise InputError(f"modes has {entries(len(each))}, {runs} expected (one per run)")
     for i, modes in enumerate(each):
         check_modes(f"modes[{i}]", modes)
         for kind in ("gear_names", "stations"):

@@ -143,15 +143,10 @@ class Modes:
 
     @classmethod
     def _natural(cls, aircraft: Aircraft, damping_ratio: ArrayLike | None) -> Modes:
-        ratio = None
+        ratio: float | NDArray[np.float64] | None = None
         if damping_ratio is not None:
-            ratio = one_or_each("damping_ratio", damping_ratio)
-            # To the core one number stands for all modes; an array gives one for each.
-            alone = np.ndim(damping_ratio) > 0 and ratio.size == 1
-            if alone and np.linalg.matrix_rank(aircraft.geometry) > 1:
-                raise InputError(
-                    "damping_ratio has 1 entry, one per mode expected; pass a number for all"
-                )
+            given = one_or_each("damping_ratio", damping_ratio)
+            ratio = given if np.ndim(damping_ratio) else float(given[0])
         modes = cls.__new__(cls)
         core = _core.Modes.natural(aircraft._core, ratio)
         modes._fill(aircraft, core, static_correction=False)

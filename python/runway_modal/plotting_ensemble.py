@@ -19,8 +19,8 @@ from ._axes import (
     with_unit,
 )
 from ._core import InputError
-from ._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
-from .units import FORCE, stated
+from ._quantities import DIMENSIONS, DOWNWARD, LABELS, names_of
+from .units import FORCE, check_units
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -186,7 +186,7 @@ def _columns(
     ensemble: Ensemble, quantity: str, names: Sequence[str] | None
 ) -> list[tuple[str, int]]:
     """Names and columns of what is to be drawn."""
-    there = labels(ensemble, quantity)
+    there = names_of(ensemble, quantity)
     kind = "gear" if DIMENSIONS[quantity] == FORCE else "station"
     return [(name, there.index(name)) for name in shown("names", names, there, kind)]
 
@@ -195,5 +195,5 @@ def _scale(quantity: str, units: Units | None) -> tuple[float, str]:
     """Divisor for a quantity on its axis, and the unit to print there."""
     if DIMENSIONS[quantity] == FORCE:
         return load_unit(units)
-    units = stated(units)
+    units = check_units(units)
     return (1.0, "") if units is None else (units.standard_gravity, "g")

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, finite, number, read_only, refuse
+from ._input import array, entries, finite, number, read_only, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -479,7 +479,7 @@ class Profile:
             gaps = array("gap", gap)
         if gaps.size != len(given) - 1:
             raise InputError(
-                f"gap has {gaps.size} entries, {len(given) - 1} expected (one fewer than profiles)"
+                f"gap has {entries(gaps.size)}, {len(given) - 1} expected (one fewer than profiles)"
             )
         for i, value in enumerate(gaps.tolist()):
             if not 0 <= value < np.inf:

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, finite, flag, integer, number, one_or_each, read_only, refuse
+from ._input import array, entries, finite, flag, integer, number, one_or_each, read_only, refuse
 from .ensemble import Ensemble, assembled, describe, masks
 from .modes import Modes, check_modes
 from .profile import Profile
@@ -95,7 +95,9 @@ class Roughness:
     ) -> None:
         ends = array("band", band)
         if ends.size != 2:
-            raise InputError(f"band has {ends.size} entries, lowest and highest frequency expected")
+            raise InputError(
+                f"band has {entries(ends.size)}, lowest and highest frequency expected"
+            )
         law = (
             number("coefficient", coefficient),
             number("waviness", waviness),

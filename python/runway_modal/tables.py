@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ._extras import need
-from .units import stated
+from .units import check_units
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -64,7 +64,7 @@ def to_pandas(
     import pandas as pd
 
     table = pd.DataFrame(columns(quantities))
-    units = stated(units)
+    units = check_units(units)
     if units is not None:
         table.attrs["units"] = _units(quantities, units)
     return table if index is None else table.set_index(index)
@@ -75,7 +75,7 @@ def to_xarray(along: Quantity, quantities: Sequence[Quantity], units: Units | No
     need("data sets", "tables", "xarray")
     import xarray as xr
 
-    units = stated(units)
+    units = check_units(units)
 
     def variable(one: Quantity) -> tuple[tuple[str, ...], NDArray[Any], dict[str, str]]:
         dims: tuple[str, ...] = (one.axis,) if one.axis else ()

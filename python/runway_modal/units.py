@@ -378,7 +378,7 @@ class Units:
         return _UNITS[self.length][0] ** length * _FORCES[self.force] ** force
 
 
-def stated(units: Units | None) -> Units | None:
+def check_units(units: Units | None) -> Units | None:
     """Check the units that a caller gives for results, which may be None."""
     if units is not None and not isinstance(units, Units):
         raise InputError(f"units = {units!r} is not a Units, such as Units('in', 'lbf')")

@@ -82,7 +82,7 @@ pub(super) struct March {
     ground: Vec<Ground>,
     /// Elevations of the next block.
     ahead: Ahead,
-    /// First elevations less those of the first group.
+    /// First elevations less those of the group of the first track.
     first: Vec<Row>,
     first_rows: Vec<BlockRows>,
     origin: Row,
@@ -221,14 +221,14 @@ impl March {
     pub fn finish(&mut self, runs: Range<usize>, out: &mut Statistics, watch: &mut Watch) {
         self.search(std::array::from_fn(|lane| lane < runs.len() && self.is_finite(lane)), watch);
         for (lane, run) in runs.enumerate() {
-            self.read(lane, out);
+            self.append_to(out, lane);
             if !out.last_is_finite(self.layout.loads, self.squares.len() - self.layout.loads) {
                 out.failed.push(run);
             }
         }
     }
 
-    fn read(&self, lane: usize, out: &mut Statistics) {
+    fn append_to(&self, out: &mut Statistics, lane: usize) {
         let setup = of_lane(&self.constants.setups, lane);
         for (output, square) in self.squares.iter().enumerate() {
             let (mut max, mut min, mut rms) = (f64::NAN, f64::NAN, f64::NAN);

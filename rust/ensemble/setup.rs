@@ -165,8 +165,8 @@ fn jumps(weights: Lanes, climb: Lanes) -> bool {
     weights.dot(climb).abs() > ROUNDING * weights.abs().dot(climb.abs())
 }
 
-/// A run over profiles that stand for all: their grid, and first elevations of zero. With it, which of
-/// them each of the run's tracks has.
+/// A run over profiles that stand for all: their grid, and first elevations of zero. Also the number of the
+/// profile that each of the run's tracks has.
 fn stand_in(
     modes: &Arc<Modes>,
     Stations { tracks, count, spacing }: Stations,

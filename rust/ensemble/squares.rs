@@ -172,7 +172,7 @@ impl Integrate<'_> {
         }
     }
 
-    /// Of a period.
+    /// Which share of a period a time is.
     fn share(&self, time: Row) -> Row {
         let period = |lane| of_lane(&self.constants.setups, lane).dt.iter().sum::<f64>();
         Row(std::array::from_fn(|lane| time[lane] / period(lane)))

@@ -11,7 +11,7 @@ import numpy as np
 
 from runway_modal import stored, tables_ensemble
 from runway_modal._input import integer
-from runway_modal._quantities import DIMENSIONS, DOWNWARD, LABELS, labels
+from runway_modal._quantities import DIMENSIONS, DOWNWARD, LABELS, names_of
 from runway_modal.case import read_case
 from runway_modal.plotting_ensemble import histograms_and_exceedances
 from runway_modal.roughness import monte_carlo
@@ -196,7 +196,7 @@ def _quantity(
         texts = "".join(f"{number / scale:12.{digits}f}" for number in numbers)
         return f"  {head:<{width}}{texts}{run}"
 
-    for column, name in enumerate(labels(ensemble, quantity)):
+    for column, name in enumerate(names_of(ensemble, quantity)):
         values = getattr(ensemble, quantity)
         one = values[name] if isinstance(values, dict) else values[:, column]
         at = int(one.argmin() if downward else one.argmax())
@@ -224,7 +224,7 @@ def _shares(ensemble: Ensemble, random: RandomRunways) -> Iterator[str]:
         found = ensemble.exceedance(quantity, list(levels.values()))
         side = "at or below" if quantity in DOWNWARD else "above"
         for i, text in enumerate(levels):
-            for column, name in enumerate(labels(ensemble, quantity)):
+            for column, name in enumerate(names_of(ensemble, quantity)):
                 parts = (part[i, column] for part in (found.value, found.low, found.high))
                 value, low, high = (100.0 * float(part) for part in parts)
                 rows.append((f"{name}: {LABELS[quantity]} {side} {text}", value, low, high))

@@ -223,7 +223,7 @@ class Aircraft:
     def _share(self, determinate: linear.Aircraft) -> NDArray[np.float64]:
         """Share the weight among the struts at rest on the level."""
         geometry = determinate.geometry
-        if np.linalg.matrix_rank(geometry) == len(self.gears):
+        if determinate._core.rank() == len(self.gears):
             return determinate.static_load
         laws = [gear._law(gear._reference_load) for gear in self.gears]
         weight = determinate.mass * determinate.gravity

@@ -135,7 +135,7 @@ impl March {
         }
     }
 
-    /// Elevations at the start of every leg, as heights above the first group's, and its own rise.
+    /// Elevations at the start of every leg, as heights above that of the group of the first track, and its own rise.
     #[inline(always)]
     fn find_heights(&mut self, count: usize, legs: usize) {
         let Self { layout, constants, ground, heights, origin, .. } = self;

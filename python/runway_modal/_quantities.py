@@ -1,16 +1,33 @@
-"""Quantities that an ensemble holds for every run: names, dimensions, dangerous direction."""
+"""Names and dimensions of results: extremes of a run, and what an ensemble holds of every run."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from ._core import InputError
-from .units import ACCELERATION, FORCE
+from .units import ACCELERATION, FORCE, LENGTH, TIME
 
 if TYPE_CHECKING:
     from .ensemble import Ensemble
 
-#: Quantities of gears, then those of stations.
+#: Extremes of gears, in the order of tables.
+EXTREMES_OF_GEARS = {
+    "max_load": FORCE,
+    "time_of_max": TIME,
+    "position_of_max": LENGTH,
+    "min_load": FORCE,
+    "time_of_min": TIME,
+    "position_of_min": LENGTH,
+}
+
+#: Extremes at stations of the aircraft.
+EXTREMES_OF_STATIONS = {
+    "max_acceleration": ACCELERATION,
+    "time_of_max_acceleration": TIME,
+    "position_of_max_acceleration": LENGTH,
+}
+
+#: Quantities of an ensemble: of gears, then of stations.
 DIMENSIONS = {
     "max_load": FORCE,
     "min_load": FORCE,

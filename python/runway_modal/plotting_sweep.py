@@ -22,7 +22,7 @@ from ._axes import (
     shown,
     with_unit,
 )
-from .units import SPEED, check_units
+from .units import check_units
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -136,4 +136,4 @@ def _speed(ax: Axes, speed: NDArray[np.float64], units: Units | None) -> NDArray
     units = check_units(units)
     ax.set_xlabel("ground speed [kt]" if units else "ground speed")
     ax.margins(x=0.0)
-    return speed / units.quantity("speed", "1 kt", SPEED) if units else speed
+    return speed / units.knot if units else speed

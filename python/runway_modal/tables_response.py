@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import tables
+from ._quantities import EXTREMES_OF_GEARS
 from .tables import Quantity, at_stations
 from .units import ACCELERATION, ANGLE, FORCE, LENGTH, SPEED, STIFFNESS, TIME
 
@@ -56,15 +57,7 @@ def to_pandas(response: Results, units: Units | None) -> pd.DataFrame:
 
 def extremes_to_pandas(extremes: Extremes, units: Units | None) -> pd.DataFrame:
     """Make the table that `Extremes.to_pandas` documents."""
-    of_gears = {
-        "static_load": FORCE,
-        "max_load": FORCE,
-        "time_of_max": TIME,
-        "position_of_max": LENGTH,
-        "min_load": FORCE,
-        "time_of_min": TIME,
-        "position_of_min": LENGTH,
-    }
+    of_gears = {"static_load": FORCE, **EXTREMES_OF_GEARS}
     found = [
         Quantity("gear", None, np.array(extremes.gear_names)),
         *(

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import tables
+from ._quantities import EXTREMES_OF_GEARS, EXTREMES_OF_STATIONS
 from .tables import Quantity, at_stations
-from .units import ACCELERATION, FORCE, LENGTH, SPEED, TIME
+from .units import FORCE, SPEED
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -14,21 +15,6 @@ if TYPE_CHECKING:
 
     from .sweep import Sweep
     from .units import Units
-
-_OF_GEARS = {
-    "max_load": FORCE,
-    "time_of_max": TIME,
-    "position_of_max": LENGTH,
-    "min_load": FORCE,
-    "time_of_min": TIME,
-    "position_of_min": LENGTH,
-}
-
-_OF_STATIONS = {
-    "max_acceleration": ACCELERATION,
-    "time_of_max_acceleration": TIME,
-    "position_of_max_acceleration": LENGTH,
-}
 
 
 def quantities(sweep: Sweep) -> list[Quantity]:
@@ -38,11 +24,11 @@ def quantities(sweep: Sweep) -> list[Quantity]:
         Quantity("speed", SPEED, sweep.speed),
         *(
             Quantity(name, dimension, getattr(sweep, name), "gear", gears)
-            for name, dimension in _OF_GEARS.items()
+            for name, dimension in EXTREMES_OF_GEARS.items()
         ),
         *(
             at_stations(name, dimension, getattr(sweep, name))
-            for name, dimension in _OF_STATIONS.items()
+            for name, dimension in EXTREMES_OF_STATIONS.items()
         ),
     ]
 

@@ -373,6 +373,11 @@ class Units:
         """Standard gravity, 9.80665 m/s², in these units [length/s²]."""
         return float(_GRAVITY / self._size(ACCELERATION))
 
+    @property
+    def knot(self) -> float:
+        """A knot, 1852 m/h, in these units [length/s]."""
+        return self.quantity("speed", "1 kt", SPEED)
+
     def _size(self, dimension: Dimension) -> Fraction:
         length, force, _ = dimension
         return _UNITS[self.length][0] ** length * _FORCES[self.force] ** force

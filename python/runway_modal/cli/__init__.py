@@ -91,7 +91,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=__version__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    def add(name: str, run: Callable[[argparse.Namespace], None], does: str, more: str = "") -> Any:
+    def add(
+        name: str, run: Callable[[argparse.Namespace], None], does: str, more: str = ""
+    ) -> argparse.ArgumentParser:
         command = commands.add_parser(
             name,
             help=does,
@@ -101,10 +103,13 @@ def _parser() -> argparse.ArgumentParser:
         command.set_defaults(command=run)
         return command
 
-    of_run = add("run", _run, "simulate a case file", _RUN)
-    of_run.add_argument(
-        "case", type=Path, metavar="CASE.toml", help="case file; see runway-modal example"
-    )
+    def takes_case(command: argparse.ArgumentParser) -> argparse.ArgumentParser:
+        command.add_argument(
+            "case", type=Path, metavar="CASE.toml", help="case file; see runway-modal example"
+        )
+        return command
+
+    of_run = takes_case(add("run", _run, "simulate a case file", _RUN))
     of_run.add_argument("--csv", metavar="PATH", help="time histories; - for standard output")
     of_run.add_argument("--json", metavar="PATH", help="results and time histories; - as for --csv")
     of_run.add_argument("--parquet", metavar="PATH", help="time histories (extra tables)")
@@ -121,10 +126,7 @@ def _parser() -> argparse.ArgumentParser:
         help="simulate random runway NUMBER of 'runway-modal mc' instead of the tracks; "
         "[output] is ignored",
     )
-    of_sweep = add("sweep", _sweep, "roll over the tracks at many speeds", _SWEEP)
-    of_sweep.add_argument(
-        "case", type=Path, metavar="CASE.toml", help="case file; see runway-modal example"
-    )
+    of_sweep = takes_case(add("sweep", _sweep, "roll over the tracks at many speeds", _SWEEP))
     of_sweep.add_argument("--csv", metavar="PATH", help="one row per speed; - for standard output")
     of_sweep.add_argument("--parquet", metavar="PATH", help="one row per speed (extra tables)")
     of_sweep.add_argument(
@@ -132,9 +134,8 @@ def _parser() -> argparse.ArgumentParser:
         metavar="PATH",
         help="loads and accelerations against speed, .png .pdf .svg (extra plot)",
     )
-    of_mc = add("mc", _mc, "roll over random runways: the Monte Carlo of a case file", _MC)
-    of_mc.add_argument(
-        "case", type=Path, metavar="CASE.toml", help="case file; see runway-modal example"
+    of_mc = takes_case(
+        add("mc", _mc, "roll over random runways: the Monte Carlo of a case file", _MC)
     )
     of_mc.add_argument(
         "--runs", type=int, metavar="N", help="number of runs (overrides the case file)"

@@ -20,7 +20,7 @@ from runway_modal.units import FORCE
 from .notes import ignored, on_dampers, on_modes
 from .output import Output, figure_writer, table_writers
 from .progress import progress_bar
-from .text import heading, modes_table, stated_speed, unloading
+from .text import heading, load_digits, modes_table, name_width, stated_speed, unloading
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -156,12 +156,11 @@ def _title(case: Case) -> str:
 
 def _of_speed(case: Case, name: str, ensemble: Ensemble, random: RandomRunways) -> Iterator[str]:
     units, gears = case.units, ensemble.gear_names
-    width = max(8, *map(len, gears), *map(len, ensemble.max_acceleration))
+    width, digits = name_width(case), load_digits(case)
     first, last = ensemble.run[0], ensemble.run[-1]
     yield f"Speed {stated_speed(case, name)}: {len(ensemble)} runs, {first} to {last}"
-    static = ensemble.static_load[0]
-    digits = 1 if static.max() >= 1e3 else 4
-    loads = (f"{gear} {load:.{digits}f}" for gear, load in zip(gears, static, strict=True))
+    static = zip(gears, ensemble.static_load[0], strict=True)
+    loads = (f"{gear} {load:.{digits}f}" for gear, load in static)
     yield f"  Static load [{units.force}]: {', '.join(loads)}"
     for quantity, dimension in DIMENSIONS.items():
         yield ""
@@ -197,8 +196,7 @@ def _quantity(
         return f"  {head:<{width}}{texts}{run}"
 
     for column, name in enumerate(names_of(ensemble, quantity)):
-        values = getattr(ensemble, quantity)
-        one = values[name] if isinstance(values, dict) else values[:, column]
+        one = ensemble._of(quantity)[:, column]
         at = int(one.argmin() if downward else one.argmax())
         value, low, high = (
             [getattr(mean, part)[0, column], *getattr(quantiles, part)[bounded, column]]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from runway_modal import tables, tables_response
 from runway_modal._input import integer
+from runway_modal._quantities import EXTREMES_OF_GEARS, EXTREMES_OF_STATIONS
 from runway_modal.case import Case, read_case
 
 from .notes import ignored, notes
@@ -113,16 +114,9 @@ def _results(case: Case, name: str, response: Response | nonlinear.Response) -> 
         "speed": case.speeds[name],
         "stated_speed": name,
         "static_load": by_gear(response.static_load),
-        "max_load": by_gear(extremes.max_load),
-        "time_of_max": by_gear(extremes.time_of_max),
-        "position_of_max": by_gear(extremes.position_of_max),
-        "min_load": by_gear(extremes.min_load),
-        "time_of_min": by_gear(extremes.time_of_min),
-        "position_of_min": by_gear(extremes.position_of_min),
+        **{key: by_gear(getattr(extremes, key)) for key in EXTREMES_OF_GEARS},
         "unloaded": by_gear(response.unloaded),
-        "max_acceleration": extremes.max_acceleration,
-        "time_of_max_acceleration": extremes.time_of_max_acceleration,
-        "position_of_max_acceleration": extremes.position_of_max_acceleration,
+        **{key: getattr(extremes, key) for key in EXTREMES_OF_STATIONS},
         "history": {name: values.tolist() for name, values in history.items()},
     }
 

@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-
 from runway_modal import tables_sweep
 from runway_modal._quantities import ACCELERATION_LIMIT
 from runway_modal.case import read_case
 from runway_modal.plotting_sweep import loads_and_accelerations
 from runway_modal.sweep import sweep, worst_speed
-from runway_modal.units import SPEED
 
 from .notes import ignored, notes
 from .output import Output, figure_writer, table_writers
@@ -22,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from runway_modal.case import Case
@@ -48,12 +46,8 @@ def run(path: Path, asked: Mapping[str, str | None]) -> None:
         output.say([line])
 
 
-def _knots(case: Case, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
-    return speeds / case.units.quantity("speed", "1 kt", SPEED)
-
-
 def _summary(case: Case, found: Sweep) -> Iterator[str]:
-    knots = _knots(case, found.speed)
+    knots = found.speed / case.units.knot
     yield from heading(case)
     yield from notes(case)
     yield from ignored(case, "sweep", "duration", "output")
@@ -117,7 +111,7 @@ def _proven(case: Case, tracks: Mapping[str, Profile], span: SpeedRange) -> Iter
                 tolerance=tolerance,
                 damping_input=case.damping_input,
             )
-        (knots,) = _knots(case, np.array([found.speed]))
+        knots = found.speed / case.units.knot
         # Rounded outwards: what is printed is proven, too.
         outwards = math.ceil if quantity == "max_load" else math.floor
         bound = outwards(found.bound * 10**digits) / 10**digits

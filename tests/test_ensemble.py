@@ -406,3 +406,28 @@ def test_without_dampers_their_input_changes_nothing():
         for flag in (False, True)
     )
     np.testing.assert_array_equal(bits(plain), bits(asked))
+
+
+def test_a_search_that_overflows_ends():
+    """Elevations whose loads are in range, but not the squares of what bounds them."""
+    gears = [rm.Gear("front", 1.7, 0.0, 1.3e5, 8e3), rm.Gear("rear", -0.3, 0.0, 2.7e5, 1e4)]
+    aircraft = rm.Aircraft(
+        mass=1.5e4, pitch_inertia=5.7e5, roll_inertia=1.9e6, gravity=9.8, gears=gears
+    )
+    for size in (1e149, 1e150, 1e151, 1e153):
+        elevations = np.zeros((2, 2, 129))
+        elevations[1, 1, 72] = size
+        found = rm.simulate_many(
+            aircraft.modes(0.3), elevations, 0.035, 1.0, damping_input=True, on_error="mask"
+        )
+        assert found.valid[0]
+        assert np.isfinite(found.max_load[found.valid]).all()
+
+
+def test_a_level_runway_has_no_rms():
+    """The root of a sum's rounding would be 1e-8 of what was added up."""
+    modes = rm.f4e().modes(0.01)
+    own = rm.Modes(modes.aircraft, 1.1 * modes.omega[:2], 0.01, modes.shapes[:, :2])
+    for heights in np.random.default_rng(3).normal(scale=3.0, size=(20, 3)):
+        found = rm.simulate_many(own, heights[None, :, None], 10.0, 500.0)
+        assert (found.rms_load <= abs(found.max_load - found.static_load)).all()

@@ -388,3 +388,16 @@ def test_extremes_show_names_and_numbers() -> None:
     weightless = dataclasses.replace(rm.f4e(), gravity=0.0).modes(0.01)
     floating = rm.simulate(weightless, rm.Profile.full_mat(), rm.knots(20)).extremes()
     assert repr(floating).splitlines()[1].split()[1:4:2] == ["0", "-"]
+
+
+def test_a_search_that_overflows_ends():
+    gears = [rm.Gear("front", 1.7, 0.0, 1.3e5, 1e59), rm.Gear("rear", -0.3, 0.0, 2.7e5, 1e59)]
+    aircraft = rm.Aircraft(
+        mass=1.5e4, pitch_inertia=5.7e5, roll_inertia=1.9e6, gravity=9.8, gears=gears
+    )
+    elevations = np.zeros(129)
+    elevations[72] = 1e97
+    profile = rm.Profile(0.035 * np.arange(129), elevations)
+    response = rm.simulate(aircraft.modes(0.3), {"rear": profile}, 1.0, damping_input=True)
+    with pytest.raises(rm.NumericalError, match="an extreme left the range"):
+        response.extremes()

@@ -330,6 +330,7 @@ def test_erd_with_names_cut_short(path: Path) -> None:
         (erd(line2="3, inf, -1, 1, 5, 0.025, -1\n"), 2, ["NSAMP = inf"], {}),
         (erd(line2="3, 4, -1, 1, 5, 0, -1\n"), 2, ["STEP = 0"], {}),
         (erd(line2="3, 4, -1, 1, 5, nan, -1\n"), 2, ["STEP = nan"], {}),
+        (erd(line2="3, 4, -1, 1, 5, 1e308, -1\n"), 2, ["STEP = 1e+308", "stations leave"], {}),
         (erd(line2="3, 5, -1, 1, 5, 0.025, -1\n"), 16, ["4 samples where NSAMP = 5"], {}),
         (erd(line2="3, 3, -1, 1, 5, 0.025, -1\n"), 16, ["4 samples where NSAMP = 3"], {}),
         (erd(END=""), 16, ["without a line END"], {}),

@@ -211,3 +211,43 @@ def test_directories_inside_are_named(tmp_path, modes, surface):
 def test_missing_arguments_are_named_as_by_any_function(tmp_path, modes, surface):
     with pytest.raises(TypeError, match="missing keyword argument: 'runs'"):
         stored.monte_carlo(tmp_path / "new", modes, surface, **RUNWAY)
+
+
+@pytest.mark.parametrize("share", np.linspace(0.01, 0.99, 24))
+def test_a_single_bit_that_flips_is_noticed(tmp_path, modes, surface, share):
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=16)
+    whole = stored.read(tmp_path)
+    file = sorted(tmp_path.glob("runs-*.parquet"))[1]
+    flipped = bytearray(file.read_bytes())
+    flipped[int(share * len(flipped))] ^= 4
+    file.write_bytes(flipped)
+    try:
+        # Some bits are of no consequence: names of writers, statistics.
+        assert_same_bits(stored.read(tmp_path), whole)
+    except rm.InputError as error:
+        assert f"{file.name} is damaged" in str(error)
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=16)
+    assert_same_bits(stored.read(tmp_path), whole)
+
+
+def test_runs_without_their_set_up_are_refused(tmp_path, modes, surface):
+    stored.monte_carlo(tmp_path, modes, surface, **RUNWAY, runs=3)
+    (tmp_path / "_setup.json").unlink()
+    for call in (
+        lambda: stored.monte_carlo(tmp_path, modes, surface, **RUNWAY, runs=3),
+        lambda: stored.read(tmp_path),
+    ):
+        with pytest.raises(rm.InputError, match=r"unknown set-up: _setup\.json is missing"):
+            call()
+
+
+def test_runs_with_speeds_of_their_own_are_added(tmp_path, modes, surface):
+    speed = rm.knots(1) * np.linspace(20, 90, 30)
+    few = RUNWAY | {"runs": 12, "speed": speed[:12]}
+    all_ = RUNWAY | {"runs": 30, "speed": speed}
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **few)
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **all_)
+    assert_same_bits(stored.read(tmp_path), rm.monte_carlo(modes, surface, **all_))
+    others = all_ | {"speed": np.where(np.arange(30) == 9, 500.0, speed)}
+    with pytest.raises(rm.InputError, match=r"run 9 has speed \d+\.\d+ there, 500\.0 here"):
+        stored.monte_carlo(tmp_path, modes, surface, chunk=8, **others)

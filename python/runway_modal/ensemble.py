@@ -635,10 +635,12 @@ def simulate_many(
 
     Only extremes and root mean squares are kept. They cover the time from t = 0, when the foremost
     gear is at the first station, until the last gear passes the last station. Extremes are true,
-    between stations too, and mean squares are closed-form integrals. A gear's distance behind the
-    foremost one need not be a multiple of the spacing. A run gives the same bits alone, in any
-    batch and on any number of threads (one per core, unless the environment variable
-    ``RAYON_NUM_THREADS`` sets another number).
+    between stations too, and mean squares are closed-form integrals. Where loads jump, under
+    dampers with `damping_input`, both sides count: at the first station the static load.
+
+    A gear's distance behind the foremost one need not be a multiple of the spacing. A run gives the
+    same bits alone, in any batch and on any number of threads (one per core, unless the environment
+    variable ``RAYON_NUM_THREADS`` sets another number).
 
     Parameters
     ----------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, overload
 
@@ -161,7 +162,10 @@ def read_erd(
         unit_z = unit_of(path, unit_line, what, per_channel["UNITSNAM"][column], stated_z)
         values = numbers(path, lines, cells[column::channels], what)
         elevations[name] = in_unit(values, unit_z, to)
-    stations = np.arange(len(lines)) * in_unit(np.array(step), unit_x, to)
+    spacing = in_unit(np.array(step), unit_x, to)
+    if not math.isfinite(float(spacing) * len(lines)):
+        raise fault(path, 2, f"STEP = {step!r}: the stations leave the range of double precision")
+    stations = np.arange(len(lines)) * spacing
     tracks = profiles(path, lines, stations, elevations, to)
     return tracks if isinstance(elevation, Mapping) else tracks[ELEVATION]
 

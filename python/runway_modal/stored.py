@@ -13,12 +13,17 @@ from ._chunks import CHUNK, Chunk, chunks, joined
 from ._core import InputError, __version__
 from ._extras import need
 from ._input import integer, read_only
+from ._quantities import DIMENSIONS
 from .ensemble import Ensemble
 from .roughness import setup
+from .units import FORCE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Unpack
+
+    import pandas as pd
+    from numpy.typing import ArrayLike
 
     from ._chunks import Options
     from .modes import Modes
@@ -27,6 +32,9 @@ if TYPE_CHECKING:
 __all__ = ["monte_carlo", "read"]
 
 _SETUP = "_setup.json"
+
+_OF_GEARS = [key for key, dimension in DIMENSIONS.items() if dimension == FORCE]
+_OF_STATIONS = [key for key in DIMENSIONS if key not in _OF_GEARS]
 
 
 def monte_carlo(
@@ -99,16 +107,18 @@ def monte_carlo(
         "runway_modal": __version__,
         "chunk": chunk,
         "first_run": options.get("first_run", 0),
-        "speed": np.asarray(options["speed"]).tolist(),
+        "speed": _shared_speed(options["speed"]),
         "setup": common,
     }
+    if _files(folder) and not (folder / _SETUP).exists():
+        raise InputError(f"{folder} holds runs of an unknown set-up: {_SETUP} is missing")
     _agree(folder / _SETUP, about)
     runs, done = options["runs"], 0
     if progress is not None:
         progress(done, runs)
     for part in parts:
         file = folder / f"runs-{part.first_run:012d}.parquet"
-        if not _holds(file, part.options["runs"]):
+        if not _holds(file, part, common):
             _write(file, part)
         done += part.options["runs"]
         if progress is not None:
@@ -134,8 +144,8 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
     Raises
     ------
     InputError
-        If there are none, a file is damaged or missing among others, or `runs` is not a whole
-        number > 0.
+        If there are none, their set-up is missing, a file is damaged or missing among others, or
+        `runs` is not a whole number > 0.
     ImportError
         If pandas or pyarrow is not installed.
 
@@ -148,11 +158,13 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
     """
     need("runs on disk", "tables", "pandas", "pyarrow")
     folder = Path(directory)
-    files = sorted(folder.glob("runs-*.parquet"))
+    files = _files(folder)
     if not files:
         inside = ", ".join(sorted(file.parent.name for file in folder.glob(f"*/{_SETUP}")))
         hint = f"; directories in it do: {inside}" if inside else ""
         raise InputError(f"directory = {os.fspath(directory)!r} holds no runs{hint}")
+    if not (folder / _SETUP).exists():
+        raise InputError(f"{folder} holds runs of an unknown set-up: {_SETUP} is missing")
     about = json.loads((folder / _SETUP).read_text())
     last = None if runs is None else about["first_run"] + integer("runs", runs, 1) - 1
     parts = (_read(file, about["setup"], last) for file in files)
@@ -174,9 +186,23 @@ def _agree(file: Path, about: dict[str, Any]) -> None:
     for key in here | there:
         if there.get(key) != here.get(key):
             raise InputError(
-                f"{file} holds another set-up: {key} = {there.get(key)!r} there, "
-                f"{here.get(key)!r} here"
+                f"{file} holds another set-up: {key} = {_brief(there.get(key))} there, "
+                f"{_brief(here.get(key))} here"
             )
+
+
+def _brief(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def _shared_speed(speed: ArrayLike) -> object:
+    """Speed of all runs; those of single runs are compared run by run."""
+    return "one per run" if np.ndim(speed) else float(np.asarray(speed))
+
+
+def _files(folder: Path) -> list[Path]:
+    return sorted(folder.glob("runs-*.parquet"))
 
 
 def _flat(about: dict[str, Any]) -> dict[str, Any]:
@@ -192,17 +218,19 @@ def _replace(file: Path, write: Callable[[Path], object]) -> None:
     half.replace(file)
 
 
-def _holds(file: Path, runs: int) -> bool:
-    """Whether a file has at least `runs` runs: the last one of an earlier call may have fewer."""
+def _holds(file: Path, part: Chunk, common: dict[str, Any]) -> bool:
+    """Whether a file has a chunk's runs: the last one of an earlier call may have fewer."""
     if not file.exists():
         return False
-    from pyarrow import ArrowInvalid
-    from pyarrow.parquet import read_metadata
-
     try:
-        return bool(read_metadata(file).num_rows >= runs)
-    except ArrowInvalid:  # damaged: computed again
-        return False
+        speeds = _frame(file, common)["speed"].to_numpy()
+    except _Damaged:
+        return False  # computed again
+    here = np.broadcast_to(part.options["speed"], part.options["runs"])
+    for i in np.flatnonzero(speeds[: len(here)] != here[: len(speeds)])[:1]:
+        run = part.first_run + i
+        raise InputError(f"{file}: run {run} has speed {speeds[i]} there, {here[i]} here")
+    return len(speeds) >= len(here)
 
 
 def _write(file: Path, part: Chunk) -> None:
@@ -212,28 +240,46 @@ def _write(file: Path, part: Chunk) -> None:
     frame = found.to_pandas()
     # Text even where no run has failed: a column has the same type in all files.
     frame["failure"] = pd.Series(found.failures, index=frame.index, dtype="string")
-    _replace(file, lambda path: frame.to_parquet(path))
+    _replace(file, lambda path: frame.to_parquet(path, engine="pyarrow", write_page_checksum=True))
+
+
+class _Damaged(InputError):
+    """A file that cannot be what was written."""
+
+
+def _frame(file: Path, common: dict[str, Any]) -> pd.DataFrame:
+    """Read a file as it was written."""
+    from pyarrow.parquet import read_table
+
+    of_gears = [f"{key}_{gear}" for key in _OF_GEARS for gear, *_ in common["gears"]]
+    of_stations = [f"{key}_{name}" for key in _OF_STATIONS for name, *_ in common["stations"]]
+    try:
+        frame: pd.DataFrame = read_table(file, page_checksum_verification=True).to_pandas()
+        missing = {"speed", "failure", *of_gears, *of_stations} - set(frame.columns)
+        why = f"no column {min(missing)!r}" if missing else ""
+    except (FileNotFoundError, PermissionError):
+        raise
+    # Whatever the bytes happen to say: pyarrow's own errors are some of these.
+    except (OSError, ValueError, LookupError, TypeError, NotImplementedError) as error:
+        why = str(error)
+    if why:
+        raise _Damaged(f"{file} is damaged; `monte_carlo` computes it again: {why}")
+    return frame
 
 
 def _read(file: Path, common: dict[str, Any], last: int | None) -> Ensemble:
-    import pandas as pd
-    from pyarrow import ArrowInvalid
-
-    try:
-        frame = pd.read_parquet(file).loc[:last]
-    except ArrowInvalid as error:
-        raise InputError(f"{file} is damaged; `monte_carlo` computes it again: {error}") from None
+    frame = _frame(file, common).loc[:last]
 
     def named(quantity: str) -> dict[str, Any]:
         start = f"{quantity}_"
         names = [column for column in frame.columns if column.startswith(start)]
         return {name.removeprefix(start): read_only(frame[name].to_numpy()) for name in names}
 
-    gears = {quantity: named(quantity) for quantity in ("max_load", "min_load", "rms_load")}
+    gears = {quantity: named(quantity) for quantity in _OF_GEARS}
     columns: dict[str, Any] = {key: np.column_stack([*one.values()]) for key, one in gears.items()}
     columns |= {"run": frame.index.to_numpy(), "speed": frame["speed"].to_numpy()}
     values: dict[str, Any] = {key: read_only(column) for key, column in columns.items()}
-    values |= {key: named(key) for key in ("max_acceleration", "rms_acceleration")}
+    values |= {key: named(key) for key in _OF_STATIONS}
     failures: dict[Any, str] = frame["failure"].dropna().to_dict()
     return Ensemble(
         gear_names=tuple(gears["max_load"]),

@@ -234,9 +234,11 @@ impl March {
             let (mut max, mut min, mut rms) = (f64::NAN, f64::NAN, f64::NAN);
             if self.is_finite(lane) {
                 (max, min) = (self.records.best_of(output, 0, lane), -self.records.best_of(output, 1, lane));
-                // Rounding may leave a negative square; NaN stays NaN.
+                // Rounding may leave a negative square, or something where there is nothing; NaN stays NaN.
                 let nothing = square[lane] < 0.0 || setup.duration == 0.0;
                 rms = if nothing { 0.0 } else { (square[lane] / setup.duration).sqrt() };
+                let most = max.abs().max(min.abs());
+                rms = if rms.is_finite() && rms > most { most } else { rms };
             }
             if let Some(level) = setup.static_load.get(output) {
                 out.max_load.push(level + max);

@@ -25,6 +25,11 @@ pub(super) struct Candidate {
     pub growth: f64,
 }
 
+/// The larger of two values, of which the first is NaN if neither could be told.
+fn larger(max: f64, min: f64) -> f64 {
+    if max.is_nan() { max } else { max.max(min) }
+}
+
 /// One output of all runs: the largest values of F and of −F so far, and the legs that may exceed them.
 struct Record {
     best: [Row; 2],
@@ -102,7 +107,7 @@ impl Records {
             list.sort_by(|one, other| other.bound.total_cmp(&one.bound));
             for Candidate { bound, leg, state, drive, start, growth } in list.drain(..) {
                 let (max, min) = (hunt.record.max, -hunt.record.min);
-                let record = if magnitude { max.max(min) } else { [max, min][side] };
+                let record = if magnitude { larger(max, min) } else { [max, min][side] };
                 if bound <= record {
                     break;
                 }
@@ -114,7 +119,7 @@ impl Records {
             }
         }
         let (max, min) = (hunt.record.max, -hunt.record.min);
-        let found = if magnitude { [max.max(min); 2] } else { [max, min] };
+        let found = if magnitude { [larger(max, min); 2] } else { [max, min] };
         for (best, found) in best.iter_mut().zip(found) {
             best[lane] = found;
         }

@@ -21,6 +21,7 @@ pub(super) struct Climb<'a> {
     pub hunt: &'a Hunt<'a>,
     pub sign: f64,
     pub slack: f64,
+    /// The largest value so far; NaN once it cannot be told.
     pub best: f64,
     pub at: f64,
 }
@@ -44,7 +45,8 @@ impl Climb<'_> {
         }
     }
 
-    /// Offers what a piece has to offer, if its bounds tell.
+    /// Offers what a piece has to offer, if its bounds tell. Bounds that leave the range of double precision
+    /// never would: the best value is then NaN.
     #[inline(always)]
     fn settles(&mut self, Piece { from, to, tau, h, .. }: &Piece) -> bool {
         let (tau, h) = (*tau, *h);
@@ -57,7 +59,12 @@ impl Climb<'_> {
         let (second, third) = (second.dot(r), third.dot(r));
         let steepest = second.min(0.5 * (bend0.abs() + bend1.abs() + third * h));
         let enough = self.best + self.slack;
-        if f0.max(f1) + steepest * h * h / 8.0 <= enough || one_sign(slope0, slope1, steepest * h) {
+        let reach = f0.max(f1) + steepest * h * h / 8.0;
+        if !reach.is_finite() {
+            self.best = f64::NAN;
+            return true;
+        }
+        if reach <= enough || one_sign(slope0, slope1, steepest * h) {
             return true;
         }
         let rounding = ROUNDING * second;
@@ -150,8 +157,8 @@ pub(super) fn climb(this: &mut Climb, piece: Piece, watch: &mut Watch) {
     while watch.go_on(1) {
         if this.settles(&now) || now.halvings == MOST_STEPS {
             match later.pop() {
-                Some(next) => now = next,
-                None => return,
+                Some(next) if !this.best.is_nan() => now = next,
+                _ => return,
             }
         } else {
             let (h, halvings) = (0.5 * now.h, now.halvings + 1);

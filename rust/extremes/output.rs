@@ -105,7 +105,9 @@ impl<'a> Hunt<'a> {
             } else if bound > best + slack {
                 let mut search = Climb { bank, lengths, drive, hunt: self, sign, slack, best, at: f64::NAN };
                 climb(&mut search, Piece { from: *from, to: *to, tau, h, halvings: 0 }, watch);
-                if search.best > best {
+                if search.best.is_nan() {
+                    self.record.max = f64::NAN;
+                } else if search.best > best {
                     let (value, at) = (sign * search.best, time + search.at);
                     self.record.offer(value, at, 0.0);
                 }

@@ -8,7 +8,7 @@ import os
 import sys
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from runway_modal._core import InputError, NumericalError, __version__
 

@@ -34,9 +34,9 @@ class Peer:
     def __init__(self, stations: int, runs: int):
         self.runs, self.stations = runs, stations
         aircraft = MODES.aircraft
-        # As long a period as ours: two of the longest waves more than the profile.
+        # As long a period as ours: four of the longest waves more than the profile.
         low, high = SURFACE.band
-        least = stations + 2 / (low * SPACING)
+        least = stations + 4 / (low * SPACING)
         self.period = min(m << e for m in (1, 3, 5, 9, 15) for e in range(30) if m << e > least)
         n = np.arange(self.period // 2) / (self.period * SPACING)
         self.band = slice(*np.searchsorted(n, (low, high)))

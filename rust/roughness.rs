@@ -9,12 +9,14 @@
 //!
 //! with ξ, η standard normal and vₖ the spectrum's integral from halfway to the line before to
 //! halfway to the line after, so that the variance is the spectrum's to the last bit that
-//! matters. Every station is Gaussian, and none is special: the process is stationary.
+//! matters. Where the mean frequency of such a part is not that of its line, as at the ends of the
+//! band, a share goes to the next line on that side, so that the sum has the same mean. Every station is
+//! Gaussian, and none is special: the process is stationary.
 //!
-//! The period exceeds the length by at least two of the longest waves: the ends of a profile
+//! The period exceeds the length by at least four of the longest waves: the ends of a profile
 //! then have nearly nothing to do with each other, and the lines are close enough to follow the
 //! spectrum where it is steepest. A band narrower than its lowest frequency beats slowly, as if by
-//! longer waves: there it is two of its beats, and as many lines.
+//! longer waves: there it is four of its beats, and as many lines.
 
 use multiversion::multiversion;
 
@@ -29,7 +31,7 @@ use crate::spectrum::Spectrum;
 use crate::watch::{Pulse, Watch};
 
 /// Longest waves, or beats of a narrow band, by which the period exceeds the length.
-const MARGIN: f64 = 2.0;
+const MARGIN: f64 = 4.0;
 
 /// Spacings in a period: half a gigabyte a track for a block of runs, and seconds to make it.
 const MOST_SPACINGS: f64 = 8_388_608.0; // 2²³
@@ -113,15 +115,15 @@ impl Generator {
                 (
                     "length",
                     length,
-                    "with two of the band's longest waves or beats it holds more than 2^23 spacings",
+                    "with four of the band's longest waves or beats it holds more than 2^23 spacings",
                 )
             } else if high - low < low {
-                ("width of the band", high - low, "2 / width holds more than 2^23 spacings")
+                ("width of the band", high - low, "4 / width holds more than 2^23 spacings")
             } else {
                 (
                     "spacing",
                     spacing,
-                    "more than 2^23 of it fit into the length and two of the band's longest waves or beats",
+                    "more than 2^23 of it fit into the length and four of the band's longest waves or beats",
                 )
             };
             return Err(Error::OutOfRange { place: place.into(), value, why });
@@ -140,22 +142,21 @@ impl Generator {
         // Half a period of lines in as many complex terms.
         let size = Transform::fast_size((period as usize).div_ceil(2));
         let step = 1.0 / (2.0 * size as f64 * spacing);
-        let (first, last) = (((low / step + 0.5) as usize).max(1), size - 1);
-        let end = ((high / step + 0.5) as usize).min(last) + 1;
+        let (first, variances) = variances(spectrum, step, size - 1, pulse)?;
+        let variance = |line: &SpectralLine| variances[line.number as usize - first];
         let transform = Transform::new(size, pulse)?;
         let line = |k: usize| SpectralLine {
             number: k as u32,
             places: [k, size - k].map(|k| transform.place(k)),
             turn: transform.turn(k),
         };
-        let mut lines = parallel::list(first..end, pulse, line)?;
+        let mut lines = parallel::list(first..first + variances.len(), pulse, line)?;
+        lines.retain(|line| variance(line) > 0.0);
         parallel::sort_by_key(&mut lines, |line| line.places[0]);
         let triangle = |i: usize| {
-            let k = f64::from(lines[i].number);
-            let upper = if lines[i].number as usize == last { high } else { (k + 0.5) * step };
-            let half_deviation = 0.5 * spectrum.variance((k - 0.5) * step, upper).sqrt();
+            let half_deviation = 0.5 * variance(&lines[i]).sqrt();
             let mut triangle = Vec::with_capacity(distinct.len() * (distinct.len() + 1) / 2);
-            coherency.factor(k * step, &distinct, &mut triangle);
+            coherency.factor(f64::from(lines[i].number) * step, &distinct, &mut triangle);
             for entry in &mut triangle {
                 *entry *= half_deviation;
             }
@@ -299,6 +300,34 @@ impl Reader for RunsReader<'_> {
     }
 }
 
+/// Variances of the lines of a spectrum, a `step` apart, and the number of the first; none is beyond `last`.
+/// See the module text.
+fn variances(spectrum: &Spectrum, step: f64, last: usize, pulse: Pulse) -> Result<(usize, Vec<f64>)> {
+    let (low, high) = spectrum.band();
+    let (first, end) = (((low / step + 0.5) as usize).max(1), ((high / step + 0.5) as usize).min(last) + 1);
+    let parts = parallel::list(first..end, pulse, |k| {
+        let upper = if k == last { high } else { (k as f64 + 0.5) * step };
+        let part = ((k as f64 - 0.5) * step, upper);
+        let variance = spectrum.variance(part.0, part.1);
+        // In steps, how far the part's mean is from its line.
+        let off =
+            if variance > 0.0 { spectrum.mean_frequency(part.0, part.1) / step - k as f64 } else { 0.0 };
+        (variance, off)
+    })?;
+    // One more on either side, where there is one: neither waves without end nor beyond the last line.
+    let numbers = (first - 1).max(1)..(end + 1).min(last + 1);
+    let mut variances = vec![0.0; numbers.len()];
+    for (k, (variance, off)) in (first..end).zip(parts) {
+        let next = if off > 0.0 { k + 1 } else { k - 1 };
+        let share = if numbers.contains(&next) { off.abs() } else { 0.0 };
+        variances[k - numbers.start] += (1.0 - share) * variance;
+        if share > 0.0 {
+            variances[next - numbers.start] += share * variance;
+        }
+    }
+    Ok((numbers.start, variances))
+}
+
 /// Stations turned from side by side to one after another at a time: they stay in the cache.
 const TILE: usize = 64;
 
@@ -380,7 +409,7 @@ mod tests {
     /// optimised code, where they are used.
     #[test]
     fn same_bits_at_any_width() {
-        let law = PowerLaw { coefficient: 16e-6, waviness: 2.0, reference: 0.1, band: (0.01, 1.0) };
+        let law = PowerLaw { coefficient: 16e-6, waviness: 2.0, reference: 0.1, band: (0.02, 1.0) };
         let spectrum = Spectrum::power_law(law).unwrap();
         let go_on: Pulse = &mut || Ok(());
         // Transforms of 512, 384, 640 and 432 terms: every radix.

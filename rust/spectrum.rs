@@ -29,17 +29,20 @@ impl PowerLaw {
         self.coefficient * pow(n / self.reference, -self.waviness)
     }
 
-    /// ∫ G over low ≤ n ≤ high, within the band. Nothing cancels, however narrow the interval or
-    /// near to 1 the waviness.
-    fn integral(&self, low: f64, high: f64) -> f64 {
+    /// ∫ G and ∫ n G over low ≤ n ≤ high, within the band. Nothing cancels, however narrow the interval
+    /// or near to 1 the waviness.
+    fn integrals(&self, low: f64, high: f64) -> [f64; 2] {
         let (low, high) = (low.max(self.band.0), high.min(self.band.1));
         if low >= high {
-            return 0.0;
+            return [0.0; 2];
         }
         let log_ratio = log1p((high - low) / low);
-        let exponent = (1.0 - self.waviness) * log_ratio;
-        let growth = if exponent == 0.0 { 1.0 } else { expm1(exponent) / exponent };
-        self.at(low) * low * log_ratio * growth
+        let growth = |power: f64| {
+            let exponent = (power - self.waviness) * log_ratio;
+            if exponent == 0.0 { 1.0 } else { expm1(exponent) / exponent }
+        };
+        let first = self.at(low) * low * log_ratio;
+        [first * growth(1.0), first * low * growth(2.0)]
     }
 }
 
@@ -61,7 +64,7 @@ impl Spectrum {
         for n in [low, high] {
             check_range("coefficient", law.coefficient, law.at(n))?;
         }
-        check_range("coefficient", law.coefficient, law.integral(low, high))?;
+        check_range("coefficient", law.coefficient, law.integrals(low, high)[0])?;
         Ok(Self { pieces: vec![law] })
     }
 
@@ -115,9 +118,20 @@ impl Spectrum {
     /// Variance of the elevation that comes from low ≤ n ≤ high.
     #[must_use]
     pub fn variance(&self, low: f64, high: f64) -> f64 {
+        self.integrals(low, high)[0]
+    }
+
+    /// Mean frequency of the elevation that comes from low ≤ n ≤ high; NaN if none does.
+    pub(crate) fn mean_frequency(&self, low: f64, high: f64) -> f64 {
+        let [variance, moment] = self.integrals(low, high);
+        moment / variance
+    }
+
+    fn integrals(&self, low: f64, high: f64) -> [f64; 2] {
         let first = self.pieces.partition_point(|piece| piece.band.1 <= low);
         let end = self.pieces.partition_point(|piece| piece.band.0 < high);
-        self.pieces[first..end.max(first)].iter().map(|piece| piece.integral(low, high)).sum()
+        let pieces = self.pieces[first..end.max(first)].iter().map(|piece| piece.integrals(low, high));
+        pieces.fold([0.0; 2], |[a, b], [more_a, more_b]| [a + more_a, b + more_b])
     }
 
     /// The waviness, where it is the same in the whole band.

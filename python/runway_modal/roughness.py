@@ -290,9 +290,11 @@ class Roughness:
         -----
         A profile is a piece of one period of a sum of waves with independent normal amplitudes,
         spaced evenly in frequency. Each carries the variance of the spectrum between the midpoints
-        to its neighbours, so that every station has exactly the spectrum's variance. The period
-        exceeds the length by at least 2 / lowest frequency, and by 2 / width of the band; a peak of
-        a table that is narrower than 1 / period is as wide as that.
+        to its neighbours, shared where that keeps its mean frequency, so that every station has
+        exactly the spectrum's variance. The period exceeds the length by at least 4 / lowest
+        frequency, and by 4 / width of the band; a peak of a table that is narrower than 1 / period
+        is as wide as that. On profiles of a few of the longest waves the mean square of a response
+        is within 1.5 % of the spectrum's, even of a mode that the longest waves excite most.
 
         The random numbers come from Philox4x32-10, with the seed as key and run, wave and track as
         counter; no deviate exceeds 8.5 standard deviations.

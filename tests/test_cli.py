@@ -105,6 +105,23 @@ def test_slips_are_said(
     assert said in capsys.readouterr().out
 
 
+def test_dampers_that_a_noisy_survey_shakes_are_said(
+    case: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    x, noise = 0.25 * np.arange(400), np.random.default_rng(5).normal(scale=1e-3, size=400)
+    rm.write_csv(case.with_name("survey.csv"), rm.Profile(x, noise), "m")
+    text = (
+        '[units]\nlength = "m"\nforce = "N"\n[aircraft]\nmass = 3e4\npitch_inertia = 1e6\n'
+        "roll_inertia = 1e6\n[[aircraft.gears]]\nname = 'leg'\nx = 0\ny = 0\nstiffness = 1e6\n"
+        "damping = 45e3\n[[track]]\nfile = 'survey.csv'\n[run]\nspeeds = ['{}']\n"
+        "damping_input = true\n"
+    )
+    for speed, said in (("70 m/s", True), ("7 m/s", False)):
+        case.write_text(text.format(speed), "utf-8")
+        assert main(["run", str(case)]) == 0
+        assert ("the dampers of leg push by" in capsys.readouterr().out) == said
+
+
 def test_a_grade_is_said_and_taken_out(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
     case.with_name("survey.csv").write_text("x [m],z [m]\n0,10\n500,16\n1500,25\n", "utf-8")
     text = (

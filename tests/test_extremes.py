@@ -401,3 +401,11 @@ def test_a_search_that_overflows_ends():
     response = rm.simulate(aircraft.modes(0.3), {"rear": profile}, 1.0, damping_input=True)
     with pytest.raises(rm.NumericalError, match="an extreme left the range"):
         response.extremes()
+
+
+def test_gears_that_would_pull_are_said() -> None:
+    bump, modes = rm.Profile.one_minus_cosine(200.0, 12.0), rm.f4e().modes(0.01)
+    said = repr(rm.simulate(modes, bump, rm.knots(60)).extremes()).splitlines()[-1]
+    assert said == "nose, left, right would pull on the runway: the linear model does not hold"
+    calm = repr(rm.simulate(modes, rm.Profile.full_mat(), rm.knots(20)).extremes())
+    assert "would pull" not in calm

@@ -535,6 +535,10 @@ def test_bad_table(n: list[float], psd: list[float], message: str) -> None:
     [
         ({"roughness": 1.0}, "roughness = 1.0 is not a Roughness"),
         ({"modes": 1.0}, "modes = 1.0 is not a Modes"),
+        (
+            {"modes": [rm.f4e().modes(0.01)] * 2},
+            "modes has 2 entries, a single Modes expected; simulate_many",
+        ),
         ({"tracks": "both"}, "tracks = 'both' is neither 'one' nor 'isotropic'"),
         ({"damping_input": 1}, "damping_input = 1 is not True or False"),
         ({"speed": 0.0}, "speed = 0.0 is not positive"),
@@ -557,6 +561,11 @@ def test_bad_monte_carlo(wrong: dict[str, object], message: str) -> None:
 def test_bad_class(name: object) -> None:
     with pytest.raises(rm.InputError, match="not a class of ISO 8608"):
         rm.Roughness.iso8608(name)
+
+
+def test_a_class_in_lower_case_is_guessed() -> None:
+    with pytest.raises(rm.InputError, match=r"'b' is not a class .* did you mean 'B'\?"):
+        rm.Roughness.iso8608("b")
 
 
 def test_bad_unit_and_frequency() -> None:

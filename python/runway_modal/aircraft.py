@@ -41,7 +41,8 @@ class Gear:
         Stiffness k of strut and tire in series, > 0 [force/length].
     damping : float
         Damping c, ≥ 0 [force·time/length]. It gives the default damping ratios of
-        `Aircraft.modes`; it enters ground input and loads only with ``damping_input=True``.
+        `Aircraft.modes`; it enters ground input and loads only with ``damping_input=True``. It acts
+        across strut and tire together: see `simulate` on raw surveys.
 
     Raises
     ------

@@ -774,7 +774,8 @@ def _elevations(values: ArrayLike) -> NDArray[Any]:
 def _check_modes(each: list[Modes], *, one: bool, runs: int) -> None:
     """Check that each is a Modes, and all are of aircraft with the same names."""
     if not one and len(each) != runs:
-        raise InputError(f"modes has {entries(len(each))}, {runs} expected (one per run)")
+        hint = "; np.broadcast_to repeats one profile" if runs == 1 else ""
+        raise InputError(f"modes has {entries(len(each))}, {runs} expected (one per run){hint}")
     for i, modes in enumerate(each):
         check_modes(f"modes[{i}]", modes)
         for kind in ("gear_names", "stations"):

@@ -170,11 +170,19 @@ class Extremes(Pickled):
             self.position_of_max_acceleration.values(),
         )
         where = ("time", "position")
-        return table(
+        rows = table(
             [
                 ("gear", "static", "max_load", "/ static", *where, "min_load", *where),
                 *zip(self.gear_names, self.static_load, *largest, *smallest, strict=True),
                 ("station", "|accel.|", *where),
                 *zip(*accelerations, strict=True),
             ]
+        )
+        pulling = [
+            name for name, least in zip(self.gear_names, self.min_load, strict=True) if least < 0.0
+        ]
+        if not pulling:
+            return rows
+        return (
+            f"{rows}\n{', '.join(pulling)} would pull on the runway: the linear model does not hold"
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import reprlib
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, flag, one_or_each, read_only
+from ._input import array, entries, flag, one_or_each, read_only
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,9 +24,18 @@ if TYPE_CHECKING:
 
 def check_modes(argument: str, value: object) -> None:
     """Refuse anything but a `Modes`; an aircraft is the likely mistake."""
-    if not isinstance(value, Modes):
-        shown = reprlib.repr(value)  # that of an aircraft is long
-        raise InputError(f"{argument} = {shown} is not a Modes; see Aircraft.modes")
+    if isinstance(value, Modes):
+        return
+    if isinstance(value, Sequence) and value and isinstance(value[0], Modes):
+        raise InputError(
+            f"{argument} has {entries(len(value))}, a single Modes expected; simulate_many takes "
+            "one for each run"
+        )
+    hint = "see Aircraft.modes"
+    if hasattr(value, "linearised"):
+        hint = "nonlinear.simulate takes nonlinear aircraft; linearised() has modes"
+    # The repr of an aircraft is long.
+    raise InputError(f"{argument} = {reprlib.repr(value)} is not a Modes; {hint}")
 
 
 class Modes:

@@ -152,7 +152,9 @@ class Roughness:
         array(0.976379)
         """
         if not isinstance(name, str) or len(name) != 1 or name not in _CLASSES:
-            raise InputError(f"name = {name!r} is not a class of ISO 8608, 'A' to 'H'")
+            meant = isinstance(name, str) and name.upper() in tuple(_CLASSES)
+            hint = f"; did you mean {name.upper()!r}?" if meant else ""
+            raise InputError(f"name = {name!r} is not a class of ISO 8608, 'A' to 'H'{hint}")
         metre = float(convert_length(np.ones(1), "m", length_unit("unit", unit))[0])
         if band is None:
             band = (1.0 / (_WAVES[0] * metre), 1.0 / (_WAVES[1] * metre))
@@ -268,7 +270,9 @@ class Roughness:
         runs : int
             Number of runs, > 0.
         seed : int
-            Which of the 2⁶⁴ sets of runs to make.
+            Which of the 2⁶⁴ sets of runs to make. All spectra of a band have the same random
+            numbers: runs over two classes compare one by one, and are independent only with
+            seeds of their own.
         first_run : int
             Number of the first run.
         y : array_like, shape (t,)
@@ -450,7 +454,7 @@ def monte_carlo(
     runs : int
         Number of runs, > 0.
     seed : int
-        Which of the 2⁶⁴ sets of runs to make.
+        Which of the 2⁶⁴ sets of runs to make; as for `Roughness.elevations`.
     first_run : int
         Number of the first run.
     tracks : {"one", "isotropic"}

@@ -18,6 +18,12 @@ _DAMPED = 0.03
 #: Frequencies of rigid aircraft on their gears lie between these [Hz].
 _SLOW, _FAST = 0.1, 20.0
 
+#: Breakpoints that make a track a survey rather than a shape.
+_SURVEY = 50
+
+#: Jumps of a damper's force from breakpoint to breakpoint, as a share of the static load.
+_JUMPS = 0.05
+
 #: Grade from end to end beyond which the kinks at both ends matter.
 _GRADE = 1e-3
 
@@ -30,6 +36,7 @@ def notes(case: Case) -> Iterator[str]:
     yield from on_modes(case)
     if case.reference is None:
         yield from on_dampers(case, tracks)
+        yield from _on_noise(case, tracks)
     yield from _on_grades(case, tracks)
 
 
@@ -89,6 +96,29 @@ def on_dampers(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:
         yield (
             f"WARNING: vertical steps strike the dampers of {', '.join(struck)}; the results leave "
             "out that impulse (model the edge as a ramp, or use [footprint])"
+        )
+
+
+def _on_noise(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:
+    """Tell where a survey's own roughness shakes the dampers."""
+    if not (case.damping_input and case.speeds):
+        return
+    aircraft, speed = case.modes.aircraft, max(case.speeds.values())
+    shaken = {}
+    for gear, static in zip(aircraft.gears, aircraft.static_load, strict=True):
+        track = tracks.get(gear.name)
+        if gear.damping and static > 0.0 and track is not None and track.x.size >= _SURVEY:
+            length = np.diff(track.x)
+            slope = np.diff(track.z)[length > 0.0] / length[length > 0.0]
+            jumps = gear.damping * speed * float(np.sqrt(np.mean(np.diff(slope) ** 2)))
+            shaken[gear.name] = jumps / float(static)
+    most = max(shaken.values(), default=0.0)
+    if most > _JUMPS:
+        names = ", ".join(name for name, share in shaken.items() if share > _JUMPS)
+        yield (
+            "NOTE: slopes change so much from one breakpoint to the next that the dampers of "
+            f"{names} push by up to {100.0 * most:.0f} % of the static load more or less (RMS); "
+            "if that is rounding or noise of the survey, apply [footprint]"
         )
 
 

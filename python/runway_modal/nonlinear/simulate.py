@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -108,7 +109,8 @@ def simulate(
     array([13700., 40400., 40400.])
     """
     if not isinstance(aircraft, Aircraft):
-        raise InputError(f"aircraft = {aircraft!r} is not a nonlinear Aircraft")
+        # The repr of a linear aircraft is long.
+        raise InputError(f"aircraft = {reprlib.repr(aircraft)} is not a nonlinear Aircraft")
     speed, rtol = number("speed", speed), number("rtol", rtol)
     if not 1e-11 <= rtol <= 1e-2:
         raise InputError(f"rtol = {rtol!r} is not between 1e-11 and 1e-2")

@@ -165,3 +165,13 @@ def test_missing_extra_is_named(
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(ImportError, match=r"runway_modal\[tables\]"):
         getattr(response, method)()
+
+
+def test_estimates_as_a_table() -> None:
+    estimate = RANDOM.quantile("max_load", [0.3, 0.7])
+    table = estimate.to_pandas()
+    assert table["asked"].tolist() == [0.3] * 3 + [0.7] * 3
+    assert table["at"].tolist() == ["nose", "left", "right"] * 2
+    for part in ("value", "low", "high"):
+        assert table[part].tolist() == getattr(estimate, part).ravel().tolist()
+    assert np.isnan(RANDOM.mean("rms_load").to_pandas()["asked"]).all()

@@ -91,6 +91,35 @@ class Estimate(Pickled):
             rows += [(head, *part) for head, part in zip(heads, parts, strict=True)]
         return table(rows)
 
+    def to_pandas(self) -> pd.DataFrame:
+        """
+        Make a table, one row per estimate (extra ``tables``).
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns asked, at (the gear or station), value, low and high.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+
+        Examples
+        --------
+        >>> import numpy as np, runway_modal as rm
+        >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
+        >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
+        >>> table = ensemble.quantile("max_load", [0.5, 0.9]).to_pandas()
+        >>> table[table["at"] == "left"].round({"value": -2, "low": -2, "high": -2})
+           asked    at    value      low     high
+        1    0.5  left  26700.0  26600.0  27100.0
+        4    0.9  left  28000.0  27500.0  29200.0
+        """
+        from .tables_ensemble import estimate_to_pandas
+
+        return estimate_to_pandas(self)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ensemble(Pickled):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from . import tables
 from ._quantities import DIMENSIONS
 from .tables import Quantity, at_stations
@@ -13,7 +15,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from .ensemble import Ensemble
+    from .ensemble import Ensemble, Estimate
     from .units import Units
 
 
@@ -40,3 +42,17 @@ def to_xarray(ensemble: Ensemble, units: Units | None) -> xr.Dataset:
     run, *others = quantities(ensemble)
     static = Quantity("static_load", FORCE, ensemble.static_load, "gear", ensemble.gear_names)
     return tables.to_xarray(run, [*others, static], units)
+
+
+def estimate_to_pandas(estimate: Estimate) -> pd.DataFrame:
+    """Make the table that `Estimate.to_pandas` documents."""
+    rows, columns = estimate.value.shape
+    found = [
+        Quantity("asked", None, np.repeat(estimate.asked, columns)),
+        Quantity("at", None, np.tile(np.array(estimate.names), rows)),
+        *(
+            Quantity(part, None, getattr(estimate, part).ravel())
+            for part in ("value", "low", "high")
+        ),
+    ]
+    return tables.to_pandas(found, None)

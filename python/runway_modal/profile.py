@@ -283,7 +283,9 @@ class Profile:
             Height of the bump, h [length].
         segments : int
             Number of chords, at least 2; a chord departs from the curve by at most
-            h π²/4 / segments² (0.06 % of h with 64).
+            h π²/4 / segments² (0.06 % of h with 64). Under dampers with `damping_input`, which
+            feel the slope, results err as 1/segments: on 20 m at 80 m/s, gears damped to 10 %,
+            dynamic loads by 1.4 % with 64 and 0.1 % with 1024.
         start : float
             Station of the leading edge [length].
 

@@ -176,7 +176,7 @@ def kernel(z: np.ndarray, *, between: bool = True) -> np.ndarray:
     """Largest loads, found with the smallest and the mean squares, and no accelerations."""
     nowhere = np.empty((0, 2))
     results, _ = rm._core.simulate_many(
-        [MODES._core], z, SPACING, [SPEED], [nowhere], False, False, between=between
+        [(MODES._core, nowhere)], z, SPACING, [SPEED], False, False, between=between
     )
     return results[0]
 

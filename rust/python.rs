@@ -516,28 +516,27 @@ fn run_many<'py>(
     Ok((columns, failed))
 }
 
-/// Many runs at once; `modes` and `speed` one for all or one a run. Failed runs raise, or are
-/// masked by NaN. `stations`: points (x, y) for each of `modes`. `between`: whether extremes are
+/// Many runs at once; `cases` and `speed` one for all or one a run. A case is modes with points (x, y)
+/// where accelerations are wanted. Failed runs raise, or are masked by NaN. `between`: whether extremes are
 /// looked for between the gears' stations too.
 #[pyfunction]
-#[pyo3(signature = (modes, elevations, spacing, speed, stations, damping_input, mask, between=true))]
+#[pyo3(signature = (cases, elevations, spacing, speed, damping_input, mask, between=true))]
 #[expect(clippy::too_many_arguments, reason = "a plan, spelled out")]
 fn simulate_many<'py>(
     py: Python<'py>,
-    modes: Vec<Py<Modes>>,
+    cases: Vec<(Py<Modes>, PyReadonlyArray2<'py, f64>)>,
     elevations: Elevations<'py>,
     spacing: f64,
     speed: Vec<f64>,
-    stations: Vec<PyReadonlyArray2<'py, f64>>,
     damping_input: bool,
     mask: bool,
     between: bool,
 ) -> PyResult<Many<'py>> {
-    let case = |(modes, stations): (&Py<Modes>, _)| Case {
+    let case = |(modes, stations): &(Py<Modes>, _)| Case {
         modes: Arc::clone(&modes.get().0),
         points: points(stations),
     };
-    let cases = modes.iter().zip(&stations).map(case).collect();
+    let cases = cases.iter().map(case).collect();
     let plan = ensemble::Plan { cases, speed, spacing, damping_input, between };
     match elevations {
         Elevations::Double(array) => many(py, &plan, &array, mask),

@@ -37,11 +37,10 @@ def monte_carlo(
 ) -> tuple[list[NDArray[np.float64]], list[tuple[int, str]]]: ...
 def series(strut: float, tire: float) -> float: ...
 def simulate_many(
-    modes: list[Modes],
+    cases: list[tuple[Modes, NDArray[np.float64]]],
     elevations: NDArray[np.float64] | NDArray[np.float32],
     spacing: float,
     speed: list[float],
-    stations: list[NDArray[np.float64]],
     damping_input: bool,
     mask: bool,
     between: bool = True,

@@ -92,8 +92,7 @@ def one_or_each(
 def in_order(values: NDArray[Any], dtype: type[np.floating[Any]]) -> NDArray[Any]:
     """Values one after the other in memory, at addresses that the core can read."""
     # What comes out of a file's or a message's buffer may begin anywhere.
-    ordered = np.ascontiguousarray(values, dtype=dtype).reshape(values.shape)
-    return ordered if ordered.flags.aligned else ordered.copy()
+    return np.require(values, dtype, ["C_CONTIGUOUS", "ALIGNED", "ENSUREARRAY"])
 
 
 def entries(count: int) -> str:

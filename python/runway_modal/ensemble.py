@@ -733,11 +733,10 @@ def simulate_many(
     names = list(each[0].aircraft.stations)
     h = number("spacing", spacing)
     results, failed = _core.simulate_many(
-        [one._core for one in each],
+        [(one._core, np.array(list(one.aircraft.stations.values()))) for one in each],
         given,
         h,
         speeds.tolist(),
-        [np.array(list(one.aircraft.stations.values())) for one in each],
         damping_input,
         mask,
     )

@@ -110,8 +110,7 @@ def monte_carlo(
         "speed": _shared_speed(options["speed"]),
         "setup": common,
     }
-    if _files(folder) and not (folder / _SETUP).exists():
-        raise InputError(f"{folder} holds runs of an unknown set-up: {_SETUP} is missing")
+    _finished(folder)
     _agree(folder / _SETUP, about)
     runs, done = options["runs"], 0
     if progress is not None:
@@ -158,13 +157,11 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
     """
     need("runs on disk", "tables", "pandas", "pyarrow")
     folder = Path(directory)
-    files = _files(folder)
+    files = _finished(folder)
     if not files:
         inside = ", ".join(sorted(file.parent.name for file in folder.glob(f"*/{_SETUP}")))
         hint = f"; directories in it do: {inside}" if inside else ""
         raise InputError(f"directory = {os.fspath(directory)!r} holds no runs{hint}")
-    if not (folder / _SETUP).exists():
-        raise InputError(f"{folder} holds runs of an unknown set-up: {_SETUP} is missing")
     about = json.loads((folder / _SETUP).read_text())
     last = None if runs is None else about["first_run"] + integer("runs", runs, 1) - 1
     parts = (_read(file, about["setup"], last) for file in files)
@@ -201,8 +198,12 @@ def _shared_speed(speed: ArrayLike) -> object:
     return "one per run" if np.ndim(speed) else float(np.asarray(speed))
 
 
-def _files(folder: Path) -> list[Path]:
-    return sorted(folder.glob("runs-*.parquet"))
+def _finished(folder: Path) -> list[Path]:
+    """Files of finished chunks, in order; refused without what says what they are runs of."""
+    files = sorted(folder.glob("runs-*.parquet"))
+    if files and not (folder / _SETUP).exists():
+        raise InputError(f"{folder} holds runs of an unknown set-up: {_SETUP} is missing")
+    return files
 
 
 def _flat(about: dict[str, Any]) -> dict[str, Any]:

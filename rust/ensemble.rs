@@ -75,6 +75,9 @@ pub trait Reader {
     /// without a run are to hold finite numbers.
     fn read<S: Simd>(&mut self, simd: S, track: usize, first: usize, out: &mut [Row]);
 
+    /// One elevation of a run, of those side by side, as `read` gives it.
+    fn elevation(&self, run: usize, track: usize, station: usize) -> f64;
+
     /// Says where in memory the elevations stand, if they are there, that will be read next: of a
     /// track, so many from `first` on.
     fn foresee(&self, _track: usize, _first: usize, _count: usize, _ahead: &mut Ahead) {}
@@ -162,6 +165,11 @@ impl<T: Copy + Into<f64>> Reader for MemoryReader<'_, T> {
     #[inline(always)]
     fn read<S: Simd>(&mut self, simd: S, track: usize, first: usize, out: &mut [Row]) {
         vector::turn(simd, self.memory.lanes(&self.runs, track, first, out.len()), out);
+    }
+
+    fn elevation(&self, run: usize, track: usize, station: usize) -> f64 {
+        let Shape { tracks, stations, .. } = self.memory.shape;
+        self.memory.elevations[((self.runs.start + run) * tracks + track) * stations + station].into()
     }
 
     fn foresee(&self, track: usize, first: usize, count: usize, ahead: &mut Ahead) {
@@ -381,7 +389,7 @@ impl<R: Reader> Worker<'_, R> {
         found: &mut Statistics,
         pulse: Pulse,
     ) -> Result<()> {
-        let Self { arch, plan, shape, reader, march, .. } = self;
+        let Self { arch, plan, reader, march, .. } = self;
         let march = match march {
             Some(march) if march.layout == constants.setups[0].layout => {
                 march.turn_to(constants);
@@ -390,7 +398,7 @@ impl<R: Reader> Worker<'_, R> {
             _ => march.insert(March::new(*arch, plan.between, Arc::clone(constants))),
         };
         reader.open(runs.start, runs.len(), pulse)?;
-        march.start(reader);
+        march.start(reader, runs.len());
         let periods = march.layout.periods;
         let mut watch = Watch::new(pulse);
         for period in (0..periods).step_by(PERIODS) {
@@ -398,11 +406,11 @@ impl<R: Reader> Worker<'_, R> {
             if !watch.go_on((RUNS * count) as u32) {
                 return watch.outcome;
             }
-            march.block(reader, shape.stations, period, count);
-            march.relieve(&mut watch);
+            march.block(reader, period, count);
+            march.relieve(reader, &mut watch);
         }
-        march.block(reader, shape.stations, periods, 1);
-        march.finish(runs, found, &mut watch);
+        march.block(reader, periods, 1);
+        march.finish(reader, runs, found, &mut watch);
         watch.outcome
     }
 }

@@ -298,6 +298,10 @@ impl Reader for RunsReader<'_> {
         let track = self.block.track(self.runs.generator.track_of[track]);
         out.copy_from_slice(&track[first..][..out.len()]);
     }
+
+    fn elevation(&self, run: usize, track: usize, station: usize) -> f64 {
+        self.block.track(self.runs.generator.track_of[track])[station][run]
+    }
 }
 
 /// Variances of the lines of a spectrum, a `step` apart, and the number of the first; none is beyond `last`.

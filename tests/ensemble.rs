@@ -68,6 +68,10 @@ impl Reader for MadeReader {
             }
         }
     }
+
+    fn elevation(&self, run: usize, track: usize, station: usize) -> f64 {
+        elevation(self.first + run, track, station)
+    }
 }
 
 #[test]

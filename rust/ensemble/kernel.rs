@@ -89,6 +89,10 @@ pub(super) struct March {
     /// States at the start of each leg, leg by leg, and at the end of the block.
     states: Vec<States<MoreRows>>,
     state: States<Row>,
+    /// Runs; the other lanes are idle.
+    runs: usize,
+    /// The block's first period.
+    period: usize,
     /// Heights at the start of each leg, leg by leg, group by group.
     heights: Vec<Vec<BlockRows>>,
     /// Moments of the periods' rows, lower triangle, over the run and over its tail.
@@ -127,6 +131,8 @@ impl March {
             origin: ZERO,
             states: vec![[[ZERO; PERIODS + 1]; 2 * MODES]; layout.legs],
             state: [ZERO; 2 * MODES],
+            runs: 0,
+            period: 0,
             heights: vec![vec![none; heights]; layout.legs],
             moments: [vec![ZERO; rows * (rows + 1) / 2], vec![ZERO; rows * (rows + 1) / 2]],
             triples: layout.triples(),
@@ -135,7 +141,7 @@ impl March {
             flaw: ZERO,
             records: Records::new(layout.loads, outputs),
             chunk_bounds: vec![[ChunkBounds { bend: ZERO, bounds: [ZERO; 2] }; PERIODS / CHUNK]; outputs],
-            kept: std::array::from_fn(|_| KeptChunks::new(&layout, outputs)),
+            kept: std::array::from_fn(|_| KeptChunks::new(outputs)),
             constants,
             layout,
         }
@@ -146,8 +152,9 @@ impl March {
         self.constants = Arc::clone(constants);
     }
 
-    /// Begins anew, at rest on the first elevations.
-    pub fn start(&mut self, reader: &mut impl Reader) {
+    /// Begins anew, so many runs at rest on their first elevations.
+    pub fn start(&mut self, reader: &mut impl Reader, runs: usize) {
+        self.runs = runs;
         self.state = [ZERO; 2 * MODES];
         for ground in &mut self.ground {
             ground.rise[PERIODS] = ZERO;
@@ -181,25 +188,26 @@ impl March {
     }
 
     /// Marches over the next block, `count` periods from `period` on; after the last period, over the tail.
-    pub fn block(&mut self, reader: &mut impl Reader, stations: usize, period: usize, count: usize) {
+    pub fn block(&mut self, reader: &mut impl Reader, period: usize, count: usize) {
+        self.period = period;
         let Self { arch, layout, ground, ahead, .. } = self;
-        arch.dispatch(Read { layout: &*layout, ground, ahead, reader, stations, period, count });
+        arch.dispatch(Read { layout: &*layout, ground, ahead, reader, period, count });
         arch.dispatch(Pass { march: self, over: Over::Next { period, count } });
     }
 
     /// Searches between kinks for the runs that have kept too many chunks.
-    pub fn relieve(&mut self, watch: &mut Watch) {
+    pub fn relieve(&mut self, reader: &impl Reader, watch: &mut Watch) {
         let full: [bool; RUNS] = std::array::from_fn(|lane| self.kept[lane].are_full());
         if full.contains(&true) {
             let state = self.state;
-            self.search(full, watch);
+            self.search(reader, full, watch);
             self.state = state;
         }
     }
 
     /// Searches the chunks that some of the runs have kept.
-    fn search(&mut self, runs: [bool; RUNS], watch: &mut Watch) {
-        while self.go_back(runs) {
+    fn search(&mut self, reader: &impl Reader, runs: [bool; RUNS], watch: &mut Watch) {
+        while self.go_back(reader, runs) {
             self.arch.dispatch(Pass { march: self, over: Over::Kept });
         }
         for lane in (0..RUNS).filter(|&lane| runs[lane]) {
@@ -218,8 +226,15 @@ impl March {
 
     /// Appends the results of runs that are over, and which of them have none; wrong results once the
     /// caller has asked to stop.
-    pub fn finish(&mut self, runs: Range<usize>, out: &mut Statistics, watch: &mut Watch) {
-        self.search(std::array::from_fn(|lane| lane < runs.len() && self.is_finite(lane)), watch);
+    pub fn finish(
+        &mut self,
+        reader: &impl Reader,
+        runs: Range<usize>,
+        out: &mut Statistics,
+        watch: &mut Watch,
+    ) {
+        let complete = std::array::from_fn(|lane| lane < runs.len() && self.is_finite(lane));
+        self.search(reader, complete, watch);
         for (lane, run) in runs.enumerate() {
             self.append_to(out, lane);
             if !out.last_is_finite(self.layout.loads, self.squares.len() - self.layout.loads) {
@@ -259,7 +274,6 @@ struct Read<'m, R> {
     ground: &'m mut [Ground],
     ahead: &'m mut Ahead,
     reader: &'m mut R,
-    stations: usize,
     period: usize,
     count: usize,
 }
@@ -269,12 +283,13 @@ impl<R: Reader> WithSimd for Read<'_, R> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { layout, ground, ahead, reader, stations, period, count } = self;
+        let Self { layout, ground, ahead, reader, period, count } = self;
+        let stations = layout.stations;
         ahead.clear();
         for (ground, group) in ground.iter_mut().zip(&layout.groups) {
             ground.z[0] = ground.z[PERIODS];
             ground.rise[0] = ground.rise[PERIODS];
-            // Period i meets station i − whole. Beyond either end the runway is level.
+            // As `Layout::station` has it.
             let level = group.whole.saturating_sub(period).min(count);
             let first = (period + level + 1).saturating_sub(group.whole);
             let last = (period + count + 1).saturating_sub(group.whole).min(stations).max(first);

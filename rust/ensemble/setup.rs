@@ -38,6 +38,8 @@ pub(super) struct Group {
 /// What runs side by side must have in common.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Layout {
+    /// Stations of a track.
+    pub stations: usize,
     /// In the order of their legs.
     pub groups: Vec<Group>,
     /// Which of them begin each leg.
@@ -72,6 +74,11 @@ impl Layout {
     /// The leg, with its period, that begins where one ends.
     pub fn after(&self, leg: usize, period: usize) -> (usize, usize) {
         if leg + 1 < self.legs { (leg + 1, period) } else { (0, period + 1) }
+    }
+
+    /// The station that a group meets in a period; beyond either end the runway is level.
+    pub fn station(&self, group: &Group, period: usize) -> usize {
+        period.saturating_sub(group.whole).min(self.stations - 1)
     }
 
     /// Rows of a period: modal state, rises after the groups' stations, rises before those inside
@@ -241,6 +248,7 @@ impl Division {
         };
         let behind = self.groups.iter().map(|group| (group.whole, group.leg)).max().unwrap_or((0, 0));
         Layout {
+            stations,
             legs,
             members: (0..legs).map(|leg| self.members(leg)).collect(),
             periods: stations - 1 + behind.0,

@@ -7,7 +7,7 @@ use pulp::Simd;
 use super::super::records::Records;
 use super::super::vector::{Part, Vector, parts};
 use super::view::{View, value, with_view};
-use super::{CHUNK, March, PERIODS, RUNS, Row, ZERO};
+use super::{CHUNK, March, PERIODS, Row, ZERO};
 
 /// Shorter runs, in periods, may hold a record on most of their chunks: these are sifted at once.
 const SHORT: usize = 192;
@@ -44,7 +44,7 @@ impl March {
         // Whole chunks are kept; the last may be shorter.
         let kept = if self.layout.periods < SHORT { 0 } else { count / CHUNK };
         for (chunk, over) in over[..kept].iter().enumerate() {
-            for lane in 0..RUNS {
+            for lane in 0..self.runs {
                 if over[lane] > 0.0 {
                     self.keep(chunk, lane);
                 }

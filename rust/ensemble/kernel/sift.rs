@@ -1,12 +1,12 @@
 //! Chunks that may hold a record between the places looked at: kept, gone over again later, and sifted
 //! for the legs that may. By then most of them have been outdone.
 
-use std::ops::Range;
-
 use pulp::Simd;
 
+use super::super::Reader;
+use super::super::constants::States;
 use super::super::records::{Candidate, Records};
-use super::super::setup::{Layout, MODES};
+use super::super::setup::MODES;
 use super::super::vector::{Mask, Part, Vector, parts};
 use super::look::ChunkBounds;
 use super::view::{LegStart, View, with_view};
@@ -21,64 +21,24 @@ const MANY: usize = 128;
 /// runway of any length, even if every wave brings the same load once more.
 const FULL: usize = 1024;
 
-/// Where the numbers of a kept chunk stand, one after the other: the state at its start, each group's
-/// last rise and elevations, each output's bend, and last, each output's bounds.
+/// Where a run was when it began a chunk.
 #[derive(Clone, Copy)]
-struct Fields {
-    groups: usize,
-    outputs: usize,
+struct Start {
+    period: usize,
+    state: States<f64>,
 }
 
-impl Fields {
-    /// A rise and the elevations from the station before the chunk to its last.
-    const OF_GROUP: usize = 1 + (CHUNK + 1);
-
-    fn state() -> Range<usize> {
-        0..2 * MODES
-    }
-
-    fn rise(group: usize) -> usize {
-        2 * MODES + group * Self::OF_GROUP
-    }
-
-    fn elevations(group: usize) -> Range<usize> {
-        Self::rise(group) + 1..Self::rise(group + 1)
-    }
-
-    fn bend(self, output: usize) -> usize {
-        Self::rise(self.groups) + output
-    }
-
-    fn bounds(self, output: usize) -> Range<usize> {
-        let begin = self.bend(self.outputs) + 2 * output;
-        begin..begin + 2
-    }
-
-    fn all_bounds(self) -> Range<usize> {
-        self.bounds(0).start..self.size()
-    }
-
-    fn size(self) -> usize {
-        self.bounds(self.outputs).start
-    }
-
-    /// Whether a run may break a record on a kept chunk.
-    fn matter(self, records: &Records, lane: usize) -> impl Fn(&[f64]) -> bool {
-        move |numbers| {
-            let breaks = |(at, &bound): (usize, &f64)| bound > records.best_of(at / 2, at % 2, lane);
-            numbers[self.all_bounds()].iter().enumerate().any(breaks)
-        }
-    }
-}
+/// How far an output may come on a chunk: its bend, what F stays below, and what −F does.
+type Reach = [f64; 3];
 
 /// Chunks on which a run may exceed the records it has reached where it was looked at.
 #[derive(Clone)]
 pub(super) struct KeptChunks {
-    fields: Fields,
-    /// One chunk after the other. What is beyond those in use is left from earlier ones.
-    numbers: Vec<f64>,
-    used: usize,
-    /// How many numbers there are when it is time to throw out.
+    outputs: usize,
+    starts: Vec<Start>,
+    /// Chunk by chunk, output by output.
+    reaches: Vec<Reach>,
+    /// How many there are when it is time to throw out.
     many: usize,
     /// Where to continue when they are gone over again.
     at: usize,
@@ -86,54 +46,57 @@ pub(super) struct KeptChunks {
 
 impl KeptChunks {
     /// For so many outputs.
-    pub fn new(layout: &Layout, outputs: usize) -> Self {
-        let fields = Fields { groups: layout.groups.len(), outputs };
-        Self { fields, numbers: Vec::new(), used: 0, many: 0, at: 0 }
+    pub fn new(outputs: usize) -> Self {
+        Self { outputs, starts: Vec::new(), reaches: Vec::new(), many: MANY, at: 0 }
     }
 
     pub fn restart(&mut self) {
-        (self.used, self.many, self.at) = (0, MANY * self.fields.size(), 0);
+        self.starts.clear();
+        self.reaches.clear();
+        (self.many, self.at) = (MANY, 0);
     }
 
     /// Whether it is time to go over them.
     pub fn are_full(&self) -> bool {
-        self.used >= FULL * self.fields.size()
+        self.starts.len() >= FULL
     }
 
-    /// One more, to be filled in; when there are many, without those that no longer matter.
-    fn add(&mut self, records: &Records, lane: usize) -> &mut [f64] {
-        let size = self.fields.size();
-        if self.used >= self.many {
-            let matters = self.fields.matter(records, lane);
-            let mut kept = 0;
-            for begin in (0..self.used).step_by(size) {
-                if matters(&self.numbers[begin..begin + size]) {
-                    self.numbers.copy_within(begin..begin + size, kept);
-                    kept += size;
-                }
+    fn reach(&self, chunk: usize) -> &[Reach] {
+        &self.reaches[chunk * self.outputs..][..self.outputs]
+    }
+
+    /// Whether a run may break a record on a chunk.
+    fn matters(&self, chunk: usize, records: &Records, lane: usize) -> bool {
+        let breaks = |(output, &[_, top, bottom]): (usize, &Reach)| {
+            top > records.best_of(output, 0, lane) || bottom > records.best_of(output, 1, lane)
+        };
+        self.reach(chunk).iter().enumerate().any(breaks)
+    }
+
+    /// When there are many, throws out those that no longer matter.
+    fn thin_out(&mut self, records: &Records, lane: usize) {
+        if self.starts.len() < self.many {
+            return;
+        }
+        let mut kept = 0;
+        for chunk in 0..self.starts.len() {
+            if self.matters(chunk, records, lane) {
+                self.starts[kept] = self.starts[chunk];
+                let begin = chunk * self.outputs;
+                self.reaches.copy_within(begin..begin + self.outputs, kept * self.outputs);
+                kept += 1;
             }
-            self.used = kept;
-            self.many = self.many.max(2 * kept);
         }
-        let begin = self.used;
-        self.used += size;
-        if self.numbers.len() < self.used {
-            self.numbers.resize(self.used, 0.0);
-        }
-        &mut self.numbers[begin..self.used]
+        self.starts.truncate(kept);
+        self.reaches.truncate(kept * self.outputs);
+        self.many = self.many.max(2 * kept);
     }
 
     /// The next that matters.
-    fn next(&mut self, records: &Records, lane: usize) -> Option<&[f64]> {
-        let matters = self.fields.matter(records, lane);
-        while self.at < self.used {
-            let begin = self.at;
-            self.at += self.fields.size();
-            if matters(&self.numbers[begin..self.at]) {
-                return Some(&self.numbers[begin..self.at]);
-            }
-        }
-        None
+    fn next(&mut self, records: &Records, lane: usize) -> Option<(&Start, &[Reach])> {
+        let chunk = (self.at..self.starts.len()).find(|&chunk| self.matters(chunk, records, lane));
+        self.at = chunk.map_or(self.starts.len(), |chunk| chunk + 1);
+        chunk.map(|chunk| (&self.starts[chunk], self.reach(chunk)))
     }
 }
 
@@ -149,58 +112,46 @@ impl ChunkBounds {
 impl March {
     /// Keeps a chunk of the block for a run.
     pub(super) fn keep(&mut self, chunk: usize, lane: usize) {
-        let Self { ground, states, chunk_bounds, kept, records, .. } = self;
+        let Self { states, chunk_bounds, kept, records, .. } = self;
         // The remainder: so that the compiler knows it is a lane.
         let (first, lane) = (CHUNK * chunk, lane % RUNS);
-        let fields = kept[lane].fields;
-        let numbers = kept[lane].add(records, lane);
-        for (number, rows) in numbers[Fields::state()].iter_mut().zip(&states[0]) {
-            *number = rows[first][lane];
-        }
-        for (group, Ground { rise, z }) in ground.iter().enumerate() {
-            numbers[Fields::rise(group)] = rise[first][lane];
-            for (number, row) in numbers[Fields::elevations(group)].iter_mut().zip(&z[first..=first + CHUNK])
-            {
-                *number = row[lane];
-            }
-        }
-        for (output, chunks) in chunk_bounds.iter().enumerate() {
-            numbers[fields.bend(output)] = chunks[chunk].bend[lane];
-            for (number, row) in numbers[fields.bounds(output)].iter_mut().zip(&chunks[chunk].bounds) {
-                *number = row[lane];
-            }
-        }
+        let kept = &mut kept[lane];
+        kept.thin_out(records, lane);
+        let state = std::array::from_fn(|k| states[0][k][first][lane]);
+        kept.starts.push(Start { period: self.period + first, state });
+        kept.reaches.extend(chunk_bounds.iter().map(|chunks| {
+            let ChunkBounds { bend, bounds: [top, bottom] } = &chunks[chunk];
+            [bend[lane], top[lane], bottom[lane]]
+        }));
     }
 
     /// Loads the next kept chunk of each of some runs, in place of the block's first; whether there were
     /// any.
-    pub(super) fn go_back(&mut self, runs: [bool; RUNS]) -> bool {
-        let Self { ground, state, chunk_bounds, kept, records, .. } = self;
+    pub(super) fn go_back(&mut self, reader: &impl Reader, runs: [bool; RUNS]) -> bool {
+        let Self { layout, ground, state, chunk_bounds, kept, records, .. } = self;
         let mut any = false;
         for (lane, kept) in kept.iter_mut().enumerate() {
-            let fields = kept.fields;
             let next = if runs[lane] { kept.next(records, lane) } else { None };
-            let Some(numbers) = next else {
+            let Some((start, reaches)) = next else {
                 for chunks in &mut *chunk_bounds {
                     chunks[0].bounds.iter_mut().for_each(|bound| bound[lane] = f64::NEG_INFINITY);
                 }
                 continue;
             };
             any = true;
-            for (row, &number) in state.iter_mut().zip(&numbers[Fields::state()]) {
+            for (row, number) in state.iter_mut().zip(start.state) {
                 row[lane] = number;
             }
-            for (group, Ground { rise, z }) in ground.iter_mut().enumerate() {
-                rise[0][lane] = numbers[Fields::rise(group)];
-                for (row, &number) in z.iter_mut().zip(&numbers[Fields::elevations(group)]) {
-                    row[lane] = number;
+            for (Ground { rise, z }, group) in ground.iter_mut().zip(&layout.groups) {
+                let elevation = |period| reader.elevation(lane, group.track, layout.station(group, period));
+                for (i, row) in z[..=CHUNK].iter_mut().enumerate() {
+                    row[lane] = elevation(start.period + i);
                 }
+                rise[0][lane] = z[0][lane] - elevation(start.period.saturating_sub(1));
             }
-            for (output, chunks) in chunk_bounds.iter_mut().enumerate() {
-                chunks[0].bend[lane] = numbers[fields.bend(output)];
-                for (row, &number) in chunks[0].bounds.iter_mut().zip(&numbers[fields.bounds(output)]) {
-                    row[lane] = number;
-                }
+            for (chunks, &[bend, top, bottom]) in chunk_bounds.iter_mut().zip(reaches) {
+                chunks[0].bend[lane] = bend;
+                (chunks[0].bounds[0][lane], chunks[0].bounds[1][lane]) = (top, bottom);
             }
         }
         any

@@ -82,7 +82,7 @@ impl Extreme {
     }
 }
 
-/// The search over all outputs, piece by piece, between two times.
+/// The search over all outputs, piece by piece, stretch by stretch of time.
 struct Search<'a> {
     run: &'a Run,
     hunts: Vec<Hunt<'a>>,
@@ -92,8 +92,12 @@ struct Search<'a> {
     /// Whether the straight-line parts change from segment to segment.
     has_lines: bool,
     fastest: f64,
+    /// The stretch at present, and where those after it end.
     begin: f64,
     end: f64,
+    later: &'a [f64],
+    /// Records of the stretches that are over.
+    found: Vec<Vec<Extreme>>,
     last: State,
     inside: Inside<'a>,
     watch: Watch<'a>,
@@ -115,9 +119,31 @@ impl Search<'_> {
         } else {
             self.visit_part(segment);
         }
+        while segment.end >= self.end && self.turn_to_next() {
+            if segment.end > self.begin {
+                self.visit_part(segment);
+            }
+        }
     }
 
-    /// A long segment, or one that is only partly in the window.
+    /// Ends a stretch, unless it is the last.
+    #[cold]
+    fn turn_to_next(&mut self) -> bool {
+        let Some((&end, later)) = self.later.split_first() else { return false };
+        self.end_stretch();
+        (self.begin, self.end, self.later) = (self.end, end, later);
+        for hunt in &mut self.hunts {
+            *hunt = Hunt::new(hunt.output);
+        }
+        self.screens = self.hunts.chunks(LANES).map(Screen::new).collect();
+        true
+    }
+
+    fn end_stretch(&mut self) {
+        self.found.push(self.hunts.iter().map(|hunt| hunt.record.within(self.begin, self.end)).collect());
+    }
+
+    /// A long segment, or one that is only partly in the stretch.
     #[cold]
     fn visit_part(&mut self, segment: &Segment) {
         let (from, to) = (segment.start.max(self.begin), segment.end.min(self.end));
@@ -275,7 +301,25 @@ impl Run {
         (begin, end): (f64, f64),
         pulse: Pulse,
     ) -> Result<Vec<Extreme>> {
-        self.check_times(&[begin, end])?;
+        Ok(self.extremes_between(quantities, &[begin, end], pulse)?.swap_remove(0))
+    }
+
+    /// The same for each stretch between two successive times of a list: a list a stretch. Of a vertical
+    /// step where one stretch ends and the next begins, each has its own side.
+    ///
+    /// # Errors
+    /// Fewer than two times, or as for [`Run::extremes`].
+    pub fn extremes_between(
+        &self,
+        quantities: &[Quantity],
+        times: &[f64],
+        pulse: Pulse,
+    ) -> Result<Vec<Vec<Extreme>>> {
+        let &[begin, first, ref later @ ..] = times else {
+            return Err(Error::TooShort { argument: "times", found: times.len(), least: 2 });
+        };
+        self.check_times(times)?;
+        let last = times[times.len() - 1];
         let forms: Vec<Form> = quantities.iter().flat_map(|quantity| Form::all(self, quantity)).collect();
         let bank = &self.oscillators;
         let heights = Heights::new(self, &forms);
@@ -291,20 +335,23 @@ impl Run {
             has_lines,
             fastest: bank.fastest(),
             begin,
-            end,
+            end: first,
+            later,
+            found: Vec::with_capacity(times.len() - 1),
             last: State::REST,
             inside: Inside::new(self),
             watch: Watch::new(pulse),
         };
-        march(self, end, &mut search);
+        march(self, last, &mut search);
+        search.end_stretch();
         search.watch.outcome?;
         // What is no longer finite stays so, and sets no record: the last state tells of all.
-        let last = search.last.d.dot(search.last.d) + search.last.v.dot(search.last.v);
-        let records: Vec<Extreme> = search.hunts.iter().map(|hunt| hunt.record.within(begin, end)).collect();
-        if !last.is_nan() && records.iter().all(|r| (r.max - r.min).is_finite()) {
-            Ok(records)
+        let rest = search.last.d.dot(search.last.d) + search.last.v.dot(search.last.v);
+        let finite = |record: &Extreme| (record.max - record.min).is_finite();
+        if !rest.is_nan() && search.found.iter().flatten().all(finite) {
+            Ok(search.found)
         } else {
-            Err(Error::Overflow { quantity: "an extreme", time: end })
+            Err(Error::Overflow { quantity: "an extreme", time: last })
         }
     }
 }

@@ -244,9 +244,6 @@ impl Profile {
     }
 }
 
-/// See [`Run::extremes`].
-type Extremes<'py> = ([Bound<'py, PyArray1<f64>>; 4], Vec<f64>, Vec<f64>);
-
 /// Values to spare in the larger block of results, at most: see [`Run::sample`].
 const TO_SPARE: usize = 1 << 14;
 
@@ -382,30 +379,38 @@ impl Run {
         Ok(read_only(values))
     }
 
-    /// Loads: max, time of max, min, time of min, an entry a gear. Accelerations: largest
-    /// magnitudes and their times, an entry a station.
+    /// See [`Run::extremes_between`] and [`extremes_of`].
     fn extremes<'py>(
         &self,
         py: Python<'py>,
         stations: Vec<(f64, f64)>,
-        begin: f64,
-        end: f64,
+        times: PyReadonlyArray1<f64>,
     ) -> PyResult<Extremes<'py>> {
+        let times = times.as_slice()?;
+        let (gears, points) = (self.0.modes().aircraft().gears().len(), stations.len());
         let quantities = [Quantity::Load, Quantity::Acceleration(stations)];
-        let found = detached(py, |pulse| self.0.extremes(&quantities, (begin, end), pulse))?;
-        let (loads, accelerations) = found.split_at(self.0.modes().aircraft().gears().len());
-        let parts: [fn(&Extreme) -> f64; 4] = [|e| e.max, |e| e.time_of_max, |e| e.min, |e| e.time_of_min];
-        let loads = parts.map(|part| read_only(PyArray1::from_iter(py, loads.iter().map(part))));
-        let (values, times) = accelerations.iter().map(Extreme::magnitude).unzip();
-        Ok((loads, values, times))
+        let found = detached(py, |pulse| self.0.extremes_between(&quantities, times, pulse))?;
+        Ok(extremes_of(py, &found, gears, points))
     }
+}
+
+/// Loads: max, time of max, min, time of min; a row a list, a column a gear. Accelerations: largest
+/// magnitude and its time; a row a station, a column a list.
+type Extremes<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray3<f64>>);
+
+/// Lists of extremes of `gears` loads, then of accelerations at so many stations.
+fn extremes_of<'py>(py: Python<'py>, found: &[Vec<Extreme>], gears: usize, stations: usize) -> Extremes<'py> {
+    let part = |e: &Extreme, part| [e.max, e.time_of_max, e.min, e.time_of_min][part];
+    let loads = Array3::from_shape_fn((4, found.len(), gears), |(p, row, g)| part(&found[row][g], p));
+    let pair = |e: &Extreme, part| <[f64; 2]>::from(e.magnitude())[part];
+    let shape = (2, stations, found.len());
+    let accelerations = Array3::from_shape_fn(shape, |(p, s, row)| pair(&found[row][gears + s], p));
+    let [loads, accelerations] = [loads, accelerations].map(|array| PyArray3::from_owned_array(py, array));
+    (read_only(loads), read_only(accelerations))
 }
 
 #[pyclass(frozen, module = "runway_modal._core")]
 struct Course(sweep::Course);
-
-/// Loads and accelerations: see [`Course::sweep`].
-type Sweeps<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray3<f64>>);
 
 #[pymethods]
 impl Course {
@@ -415,24 +420,18 @@ impl Course {
         Ok(Self(sweep::Course::new(Arc::clone(&modes.0), profiles, damping_input)?))
     }
 
-    /// Loads: max, time of max, min, time of min; a row a speed, a column a gear. Accelerations:
-    /// largest magnitude and its time; a row a station, a column a speed.
+    /// See [`Course::sweep`](sweep::Course::sweep) and [`extremes_of`].
     fn sweep<'py>(
         &self,
         py: Python<'py>,
         speeds: PyReadonlyArray1<f64>,
-        stations: PyReadonlyArray2<f64>,
-    ) -> PyResult<Sweeps<'py>> {
+        stations: Vec<(f64, f64)>,
+    ) -> PyResult<Extremes<'py>> {
         let speeds = speeds.as_slice()?;
-        let quantities = [Quantity::Load, Quantity::Acceleration(points(&stations))];
+        let (gears, points) = (self.0.modes().aircraft().gears().len(), stations.len());
+        let quantities = [Quantity::Load, Quantity::Acceleration(stations)];
         let found = detached(py, |pulse| self.0.sweep(speeds, &quantities, pulse))?;
-        let gears = self.0.modes().aircraft().gears().len();
-        let part = |e: &Extreme, part| [e.max, e.time_of_max, e.min, e.time_of_min][part];
-        let loads = Array3::from_shape_fn((4, speeds.len(), gears), |(p, s, g)| part(&found[s][g], p));
-        let pair = |e: &Extreme, part| <[f64; 2]>::from(e.magnitude())[part];
-        let shape = (2, stations.as_array().nrows(), speeds.len());
-        let accelerations = Array3::from_shape_fn(shape, |(p, a, s)| pair(&found[s][gears + a], p));
-        Ok((PyArray3::from_owned_array(py, loads), PyArray3::from_owned_array(py, accelerations)))
+        Ok(extremes_of(py, &found, gears, points))
     }
 
     /// Speed, value, bound, runs. `quantity`: "max_load" or "min_load" of gear number `gear`, or

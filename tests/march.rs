@@ -137,6 +137,27 @@ proptest! {
             }
         }
     }
+
+    #[test]
+    fn extremes_stretch_by_stretch(profile in profile(), zeta in 0.0..0.5, damping_input: bool) {
+        let run = run([&profile; 3], zeta, damping_input);
+        let quantities = [Quantity::Load, Quantity::Acceleration(vec![(100.0, 20.0)])];
+        // Before the first knot, in the midst of segments, an empty stretch, beyond the last knot.
+        let times = [-1.0, 0.013, 0.9, 0.91, 0.91, 3.3, 40.0];
+        let found = run.extremes_between(&quantities, &times, &mut || Ok(())).unwrap();
+        prop_assert_eq!(found.len(), times.len() - 1);
+        for (times, found) in times.windows(2).zip(&found) {
+            let alone = run.extremes(&quantities, (times[0], times[1]), &mut || Ok(())).unwrap();
+            prop_assert_eq!(&alone, found);
+        }
+        let whole = run.extremes(&quantities, (times[0], times[6]), &mut || Ok(())).unwrap();
+        for (output, whole) in whole.iter().enumerate() {
+            let most = found.iter().map(|stretch| stretch[output].max).fold(f64::NEG_INFINITY, f64::max);
+            let least = found.iter().map(|stretch| stretch[output].min).fold(f64::INFINITY, f64::min);
+            let room = 1e-12 * whole.max.abs().max(whole.min.abs());
+            prop_assert!((most - whole.max).abs() <= room && (least - whole.min).abs() <= room);
+        }
+    }
 }
 
 #[test]
@@ -146,6 +167,9 @@ fn spans_of_time_out_of_order_are_refused() {
     assert!(within((0.0, 8.0)).is_ok());
     for span in [(0.0, f64::INFINITY), (8.0, 0.0), (f64::NAN, 8.0), (0.0, 1e300)] {
         assert!(within(span).is_err(), "{span:?}");
+    }
+    for times in [vec![], vec![1.0], vec![0.0, 2.0, 1.0], vec![0.0, f64::NAN, 1.0]] {
+        assert!(run.extremes_between(&[Quantity::Load], &times, &mut || Ok(())).is_err(), "{times:?}");
     }
 }
 

@@ -390,6 +390,62 @@ def test_extremes_show_names_and_numbers() -> None:
     assert repr(floating).splitlines()[1].split()[1:4:2] == ["0", "-"]
 
 
+@given(
+    seed=st.integers(0, 2**32),
+    length=st.floats(5.0, 3e3),
+    start=st.floats(-400.0, 800.0),
+    damping_input=st.booleans(),
+)
+def test_sections_are_extremes_between_their_ends(seed, length, start, damping_input):
+    draw = np.random.default_rng(seed)
+    x = start + np.cumsum(draw.uniform(1.0, 60.0, 40))
+    runway = rm.Profile(x, draw.normal(scale=0.3, size=40))
+    speed = rm.knots(60)
+    response = rm.simulate(rm.f4e().modes(0.02), runway, speed, damping_input=damping_input)
+    sections = response.sections(length)
+    begins = np.array(list(sections))
+    # A response begins at 0 or where the runway does, and sections at multiples of the length.
+    assert begins[0] == response.distance[0]
+    np.testing.assert_array_equal(begins[1:], length * np.round(begins[1:] / length))
+    ends = np.append(begins[1:], response.distance[-1])
+    assert (ends > begins).all()
+    assert (ends - begins <= length * (1 + 1e-12)).all()
+    for begin, end, found in zip(begins / speed, ends / speed, sections.values(), strict=True):
+        alone = response.at([begin, end]).extremes()
+        scale = abs(alone.max_load).max()
+        np.testing.assert_allclose(found.max_load, alone.max_load, atol=TOLERANCE * scale)
+        np.testing.assert_allclose(found.min_load, alone.min_load, atol=TOLERANCE * scale)
+        within = (begin - 1e-9, end + 1e-9)
+        for times in (found.time_of_max, found.time_of_min, found.time_of_max_acceleration["cg"]):
+            assert (np.array(times) >= within[0]).all()
+            assert (np.array(times) <= within[1]).all()
+    whole = response.extremes()
+    for most, each in ((np.max, "max_load"), (np.min, "min_load")):
+        found = most([getattr(section, each) for section in sections.values()], axis=0)
+        np.testing.assert_allclose(found, getattr(whole, each), rtol=1e-12)
+    cg = max(section.max_acceleration["cg"] for section in sections.values())
+    assert cg == pytest.approx(whole.max_acceleration["cg"], rel=1e-12)
+
+
+def test_sections_at_a_jump_have_their_own_side():
+    # Where the ramp begins the damper's force jumps: that belongs to what follows.
+    gears = [dataclasses.replace(gear, damping=20.0) for gear in rm.f4e().gears]
+    modes = dataclasses.replace(rm.f4e(), gears=gears).modes()
+    ramp = rm.Profile([0.0, 400.0, 500.0], [0.0, 0.0, 1.0])
+    response = rm.simulate(modes, ramp, 400.0, damping_input=True)
+    before, after = list(response.sections(400.0).values())[:2]
+    assert before.max_load[0] == response.static_load[0]
+    jump = 20.0 * 400.0 / 100.0
+    assert after.min_load[0] <= response.static_load[0] + jump <= after.max_load[0]
+
+
+def test_too_many_sections_are_refused():
+    response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+    with pytest.raises(rm.InputError, match=r"length = 0.001 makes 3\.\d+e\+06 sections"):
+        response.sections(1e-3)
+    assert list(response.sections(1e9)) == [response.distance[0]]
+
+
 def test_a_search_that_overflows_ends():
     gears = [rm.Gear("front", 1.7, 0.0, 1.3e5, 1e59), rm.Gear("rear", -0.3, 0.0, 2.7e5, 1e59)]
     aircraft = rm.Aircraft(

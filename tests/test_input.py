@@ -53,6 +53,8 @@ def put(values: list[Any], index: int, value: Any) -> list[Any]:
 
 Make = Callable[[Any], Any]
 
+RUN = simulate(duration=1.0)
+
 #: Every numeric argument that is one number: name in messages, how to pass it, what is allowed.
 SCALARS: list[tuple[str, Make, str]] = [
     ("x", lambda v: gear(x=v), "any"),
@@ -94,6 +96,7 @@ SCALARS: list[tuple[str, Make, str]] = [
     ("tolerance", lambda v: MAT.footprint(9.0, v), "positive"),
     ("speed", lambda v: simulate(speed=v), "positive"),
     ("duration", lambda v: simulate(duration=v), "positive"),
+    ("length", lambda v: [e.max_load for e in RUN.sections(v).values()], "positive"),
     ("v", rm.knots, "any"),
 ]  # fmt: skip
 

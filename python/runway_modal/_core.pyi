@@ -113,14 +113,14 @@ class Run:
         self, quantity: str, stations: list[tuple[float, float]], times: NDArray[np.float64]
     ) -> NDArray[np.float64]: ...
     def extremes(
-        self, stations: list[tuple[float, float]], begin: float, end: float
-    ) -> tuple[list[NDArray[np.float64]], list[float], list[float]]: ...
+        self, stations: list[tuple[float, float]], times: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 
 @final
 class Course:
     def __new__(cls, modes: Modes, profiles: list[Profile], damping_input: bool) -> Course: ...
     def sweep(
-        self, speeds: NDArray[np.float64], stations: NDArray[np.float64]
+        self, speeds: NDArray[np.float64], stations: list[tuple[float, float]]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
     def worst(
         self,

@@ -41,6 +41,22 @@ def finite(argument: str, value: Any) -> float:
     return passed
 
 
+def positive(argument: str, value: Any) -> float:
+    """Check a finite number > 0; return it as a float."""
+    passed = finite(argument, value)
+    if not passed > 0.0:
+        raise InputError(f"{argument} = {passed!r} is not positive")
+    return passed
+
+
+def not_negative(argument: str, value: Any) -> float:
+    """Check a finite number ≥ 0; return it as a float."""
+    passed = finite(argument, value)
+    if not passed >= 0.0:
+        raise InputError(f"{argument} = {passed!r} is negative")
+    return passed
+
+
 def integer(argument: str, value: Any, least: int, below: int | None = None) -> int:
     """Check a whole number and its limits; return it as an int."""
     try:

@@ -341,9 +341,9 @@ def sweep(
     course = _course(modes, tracks, damping_input)
     speed = array("speeds", np.atleast_1d(any_array("speeds", speeds))).copy()
     stations = modes.aircraft.stations
-    loads, accelerations = course.sweep(speed, np.array(list(stations.values())))
-    max_load, time_of_max, min_load, time_of_min = read_only(loads)
-    magnitude, time_of_magnitude = read_only(accelerations)
+    loads, accelerations = course.sweep(speed, list(stations.values()))
+    max_load, time_of_max, min_load, time_of_min = loads
+    magnitude, time_of_magnitude = accelerations
     return Sweep(
         modes=modes,
         speed=read_only(speed),

@@ -10,11 +10,11 @@ import numpy as np
 
 from runway_modal import aircraft as linear
 from runway_modal._core import InputError
-from runway_modal._input import read_only
+from runway_modal._input import not_negative, positive, read_only
 
 from .equilibrium import equilibrium
 from .series import Series
-from .springs import GasSpring, LinearSpring, Orifice, not_negative, positive
+from .springs import GasSpring, LinearSpring, Orifice
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -10,28 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runway_modal._core import InputError
-from runway_modal._input import finite, number
+from runway_modal._input import not_negative, number, positive
 
 Array: TypeAlias = NDArray[np.float64]
 
 #: A single value in the equations of motion, many values when a run is evaluated.
 Values = TypeVar("Values", float, Array)
-
-
-def positive(argument: str, value: float) -> float:
-    """Check a finite number > 0; return it as a float."""
-    passed = finite(argument, value)
-    if not passed > 0.0:
-        raise InputError(f"{argument} = {passed!r} is not positive")
-    return passed
-
-
-def not_negative(argument: str, value: float) -> float:
-    """Check a finite number ≥ 0; return it as a float."""
-    passed = finite(argument, value)
-    if not passed >= 0.0:
-        raise InputError(f"{argument} = {passed!r} is negative")
-    return passed
 
 
 @dataclass(frozen=True, slots=True)

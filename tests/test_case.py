@@ -241,6 +241,7 @@ def test_every_shape_is_in_the_example() -> None:
         (INCHES + F4E + MAT + RUN + "duration = -1\n", "11: run: duration = -1.0 is not positive"),
         (INCHES + F4E + MAT + '[run]\nspeeds = ["20 kt", "20 kt"]\n', "10: .*is given twice"),
         (INCHES + F4E + MAT + "[run]\nspeeds = [true]\n", "speeds.0. = True is not a number"),
+        (INCHES + F4E + MAT + '[run]\nspeeds = ["20"]\n', "'20' is not a number with a unit"),
         (INCHES + F4E + MAT + 'gears = ["nose", "nose"]\n' + RUN, "9: .*'nose' is listed twice"),
         (INCHES + F4E + '[[track]]\nfile = "no.csv"\n' + RUN, "8: .*cannot read .*no.csv: No such"),
         (

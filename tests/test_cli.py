@@ -1,6 +1,7 @@
 """The command as its users run it."""
 
 import csv
+import dataclasses
 import json
 import re
 import signal
@@ -160,6 +161,46 @@ def test_nonlinear_run(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
     frame = pd.read_parquet(paths["parquet"])
     assert frame.attrs["units"]["stiffness_left"] == "lbf/in"
     assert pd.read_csv(paths["csv"])["stiffness_left [lbf/in]"].max() > 11000.0
+
+
+def test_the_worst_sections(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(case), "--sections", "25 ft"]) == 0
+    printed = capsys.readouterr().out
+    title, heads, *lines = printed[printed.index("Worst 10 of 11") :].splitlines()
+    assert "sections of 300 in: largest load ÷ static" in title
+    assert heads.split() == ["from", "[in]", "nose", "left", "right", "cg", "pilot"]
+    aircraft = dataclasses.replace(rm.f4e(), stations={"pilot": (200.0, 0.0)})
+    response = rm.simulate(aircraft.modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+    sections = response.sections(300.0)
+    shares = []
+    for line in lines:
+        begin, *numbers = (float(number) for number in line.split())
+        found = sections[begin]
+        np.testing.assert_allclose(numbers[:3], found.max_load / found.static_load, atol=6e-4)
+        assert numbers[3] == pytest.approx(found.max_acceleration["cg"] / 386.0886, abs=6e-5)
+        shares.append(max(numbers[:3]))
+    assert shares == sorted(shares, reverse=True)
+    assert len(lines) == 10
+    assert len(sections) == 11
+    # A number alone is in the case's units.
+    assert main(["run", str(case), "--sections", "300"]) == 0
+    assert capsys.readouterr().out == printed
+
+
+@pytest.mark.parametrize(
+    ("length", "said"),
+    [
+        ("-5 ft", "--sections = -60.0 is not positive"),
+        ("100 lb", "--sections = '100 lb' has the wrong kind of unit"),
+        ("long", "--sections = 'long' is not a number with a unit"),
+        ("1e-6", "length = 1e-06 makes"),
+    ],
+)
+def test_sections_that_are_none(
+    case: Path, capsys: pytest.CaptureFixture[str], length: str, said: str
+) -> None:
+    assert main(["run", str(case), "--sections", length]) == 2
+    assert said in capsys.readouterr().err
 
 
 def test_files_hold_the_response(case: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -280,7 +280,8 @@ class Units:
             if isinstance(value, bool):
                 raise InputError(f"{argument} = {value!r} is not a number")
             return finite(argument, value)
-        found = re.fullmatch(rf"\s*({_NUMBER})\s*(\S.*?)\s*", value)
+        # Atomic: the last digit is no unit.
+        found = re.fullmatch(rf"\s*((?>{_NUMBER}))\s*(\S.*?)\s*", value)
         wanted = self.name(dimension)
         if re.match(r"\s*[-+]?\d+,\d", value):
             raise InputError(f"{argument} = {value!r}: numbers have a decimal point, not a comma")

@@ -126,6 +126,12 @@ def _parser() -> argparse.ArgumentParser:
         help="simulate random runway NUMBER of 'runway-modal mc' instead of the tracks; "
         "[output] is ignored",
     )
+    of_run.add_argument(
+        "--sections",
+        metavar="LENGTH",
+        help="list the sections of this length with the largest loads; '100 m', or a number in the "
+        "case's units",
+    )
     of_sweep = takes_case(add("sweep", _sweep, "roll over the tracks at many speeds", _SWEEP))
     of_sweep.add_argument("--csv", metavar="PATH", help="one row per speed; - for standard output")
     of_sweep.add_argument("--parquet", metavar="PATH", help="one row per speed (extra tables)")
@@ -177,7 +183,7 @@ def _files(parsed: argparse.Namespace) -> dict[str, str | None]:
 
 
 def _run(parsed: argparse.Namespace) -> None:
-    run.run(parsed.case, _files(parsed), parsed.runway)
+    run.run(parsed.case, _files(parsed), parsed.runway, parsed.sections)
 
 
 def _sweep(parsed: argparse.Namespace) -> None:

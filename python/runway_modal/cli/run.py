@@ -6,9 +6,12 @@ import json
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from runway_modal import tables, tables_response
-from runway_modal._input import integer
+from runway_modal._files import is_number
+from runway_modal._input import integer, positive
 from runway_modal._quantities import EXTREMES_OF_GEARS, EXTREMES_OF_STATIONS
 from runway_modal.case import Case, read_case
+from runway_modal.response import Response
+from runway_modal.units import LENGTH
 
 from .notes import ignored, notes
 from .output import Output, figure_writer, opened, table_writers
@@ -18,29 +21,45 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
+    import numpy as np
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from runway_modal import nonlinear
-    from runway_modal.response import Response
+    from runway_modal.extremes import Extremes
 
     #: One run by the text of its speed.
     Runs: TypeAlias = Mapping[str, Response | nonlinear.Response]
 
 
-def run(path: Path, asked: Mapping[str, str | None], runway: int | None = None) -> None:
+#: Sections that are listed.
+_WORST = 10
+
+
+def run(
+    path: Path,
+    asked: Mapping[str, str | None],
+    runway: int | None = None,
+    sections: str | None = None,
+) -> None:
     """
     Run a case file; `asked` names files by kind and overrides those of the case.
 
     `runway` is the number of a random runway that replaces the tracks; the files of the case are
-    then ignored.
+    then ignored. `sections` asks for the worst sections of this length.
     """
     case = read_case(path)
+    length = None
+    if sections is not None:
+        case.need_linear("--sections")
+        given = float(sections) if is_number(sections) else sections
+        length = positive("--sections", case.units.quantity("--sections", given, LENGTH))
     if runway is not None:
         case = case.over_random_runway(integer("--runway", runway, 0))
     files = {kind: to or case.output.get(kind) for kind, to in asked.items()}
     output = Output.of(case, files)
     runs = case.run()
-    output.say(_summary(case, runs, random=runway is not None))
+    output.say(_summary(case, runs, random=runway is not None, length=length))
     output.write(
         table_writers(lambda: _tables(case, runs), case.units)
         | figure_writer(lambda: _figure(case, runs))
@@ -48,7 +67,7 @@ def run(path: Path, asked: Mapping[str, str | None], runway: int | None = None) 
     )
 
 
-def _summary(case: Case, runs: Runs, *, random: bool) -> Iterator[str]:
+def _summary(case: Case, runs: Runs, *, random: bool, length: float | None) -> Iterator[str]:
     yield from heading(case)
     yield from notes(case)
     if random:
@@ -60,6 +79,8 @@ def _summary(case: Case, runs: Runs, *, random: bool) -> Iterator[str]:
     for name, response in runs.items():
         yield ""
         yield from _of_speed(case, name, response)
+        if length is not None and isinstance(response, Response):
+            yield from _worst_sections(case, response.sections(length), length)
 
 
 def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) -> Iterator[str]:
@@ -82,6 +103,31 @@ def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) ->
         yield f"  {station:<{width}} {share:35.4f} {at:10.4f}{where:14.2f}"
     if case.reference is None:
         yield from unloading([name for name, lost in zip(gears, unloaded, strict=True) if lost])
+
+
+def _worst_sections(case: Case, sections: Mapping[float, Extremes], length: float) -> Iterator[str]:
+    """Tabulate the sections with the largest loads, in shares of the static ones, and how rough."""
+    static, unit = case.aircraft.static_load, case.units.length
+    gears, stations = case.aircraft.gear_names, case.aircraft.stations
+
+    def loads(begin: float) -> NDArray[np.float64]:
+        largest = sections[begin].max_load
+        return largest / static if static.all() else largest
+
+    worst = sorted(sections, key=lambda begin: -loads(begin).max())[:_WORST]
+    what = "÷ static" if static.all() else f"[{case.units.force}]"
+    yield (
+        f"  Worst {len(worst)} of {len(sections)} sections of {length:.6g} {unit}: "
+        f"largest load {what}, largest vertical acceleration [g]"
+    )
+    heads = [f"from [{unit}]", *gears, *stations]
+    widths = [max(10, len(head) + 2) for head in heads]
+    yield "  " + "".join(map(str.rjust, heads, widths))
+    for begin in worst:
+        rough = sections[begin].max_acceleration.values()
+        shares = [f"{load:.3f}" for load in loads(begin)]
+        shaken = [f"{value / case.units.standard_gravity:.4f}" for value in rough]
+        yield "  " + "".join(map(str.rjust, [f"{begin:.2f}", *shares, *shaken], widths))
 
 
 def _write_json(case: Case, runs: Runs, to: str) -> None:

@@ -8,24 +8,13 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
-use runway_modal::aircraft::{Aircraft, Gear, Inertia};
-use runway_modal::modes::{Damping, Modes};
 use runway_modal::{profile::Profile, readout::Quantity, run::Run};
+
+#[path = "../tests/f4e/mod.rs"]
+mod f4e;
 
 const SPEED: f64 = 405.0744; // 20 kt in in/s
 const SPACING: f64 = 0.25; // in; the wheelbase is 1117 of them
-
-/// The report's aircraft, Tables 1 and 2, 1 % damping.
-fn modes() -> Arc<Modes> {
-    let inertia = Inertia { mass: 145.5, pitch: 1.92e6, roll: 6.56e5, gravity: 386.0886 };
-    let gear = |name, x, y, stiffness| Gear::new(name, x, y, stiffness, 0.0).unwrap();
-    let gears = vec![
-        gear("nose", 234.9, 0.0, 1502.0),
-        gear("left", -44.35, 109.25, 9102.0),
-        gear("right", -44.35, -109.25, 9102.0),
-    ];
-    Arc::new(Modes::natural(Arc::new(Aircraft::new(inertia, gears).unwrap()), Damping::All(0.01)).unwrap())
-}
 
 /// Repeatable numbers in [0, 1).
 fn uniform() -> impl FnMut() -> f64 {
@@ -56,7 +45,8 @@ fn irregular(segments: usize) -> Profile {
 
 fn over(profile: Profile) -> Run {
     let profile = Arc::new(profile);
-    Run::new(modes(), &[Arc::clone(&profile), Arc::clone(&profile), profile], SPEED, false).unwrap()
+    Run::new(f4e::modes(0.0, 0.01), &[Arc::clone(&profile), Arc::clone(&profile), profile], SPEED, false)
+        .unwrap()
 }
 
 fn loads_and_pilot() -> [Quantity; 2] {
@@ -93,7 +83,7 @@ fn segments(criterion: &mut Criterion) {
 
 /// The full mat: setting up, default times, states at them, extremes.
 fn one_mat(criterion: &mut Criterion) {
-    let modes = modes();
+    let modes = f4e::modes(0.0, 0.01);
     let mat = Arc::new(Profile::new(vec![0.0, 12.0, 918.0, 930.0], vec![0.0, 1.5, 1.5, 0.0]).unwrap());
     let tracks = [Arc::clone(&mat), Arc::clone(&mat), mat];
     criterion.bench_function("one mat", |bencher| {

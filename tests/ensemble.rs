@@ -1,27 +1,16 @@
 //! Sources of elevations, and stopping.
 
-use std::sync::Arc;
-
-use runway_modal::aircraft::{Aircraft, Gear, Inertia};
 use runway_modal::ensemble::{Case, Memory, Plan, Reader, Shape, Simd, Source, simulate};
 use runway_modal::error::{Error, Result};
-use runway_modal::modes::{Damping, Modes};
 use runway_modal::row::Row;
 use runway_modal::watch::Pulse;
+
+mod f4e;
 
 const STATIONS: usize = 400;
 
 fn plan() -> Plan {
-    let inertia = Inertia { mass: 145.5, pitch: 1.92e6, roll: 6.56e5, gravity: 386.0886 };
-    let gear = |name, x, y, stiffness| Gear::new(name, x, y, stiffness, 0.0).unwrap();
-    let gears = vec![
-        gear("nose", 234.9, 0.0, 1502.0),
-        gear("left", -44.35, 109.25, 9102.0),
-        gear("right", -44.35, -109.25, 9102.0),
-    ];
-    let aircraft = Arc::new(Aircraft::new(inertia, gears).unwrap());
-    let modes = Arc::new(Modes::natural(aircraft, Damping::All(0.01)).unwrap());
-    let cases = vec![Case { modes, points: vec![(0.0, 0.0)] }];
+    let cases = vec![Case { modes: f4e::modes(0.0, 0.01), points: vec![(0.0, 0.0)] }];
     Plan { cases, speed: vec![500.0], spacing: 10.0, damping_input: false, between: true }
 }
 

@@ -4,28 +4,15 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use runway_modal::aircraft::{Aircraft, Gear, Inertia};
-use runway_modal::modes::{Damping, Modes};
 use runway_modal::{profile::Profile, readout::Quantity, run::Run};
+
+mod f4e;
 
 const SPEED: f64 = 405.0744; // 20 kt in in/s
 
-/// The report's aircraft, Tables 1 and 2, with dampers.
-fn aircraft() -> Arc<Aircraft> {
-    let inertia = Inertia { mass: 145.5, pitch: 1.92e6, roll: 6.56e5, gravity: 386.0886 };
-    let gear = |name, x, y, stiffness| Gear::new(name, x, y, stiffness, 20.0).unwrap();
-    let gears = vec![
-        gear("nose", 234.9, 0.0, 1502.0),
-        gear("left", -44.35, 109.25, 9102.0),
-        gear("right", -44.35, -109.25, 9102.0),
-    ];
-    Arc::new(Aircraft::new(inertia, gears).unwrap())
-}
-
 fn run(tracks: [&Profile; 3], zeta: f64, damping_input: bool) -> Run {
-    let modes = Arc::new(Modes::natural(aircraft(), Damping::All(zeta)).unwrap());
     let tracks = tracks.map(|profile| Arc::new(profile.clone()));
-    Run::new(modes, &tracks, SPEED, damping_input).unwrap()
+    Run::new(f4e::modes(20.0, zeta), &tracks, SPEED, damping_input).unwrap()
 }
 
 /// Three numbers a time: one a gear or one a freedom.
@@ -210,7 +197,7 @@ fn gears_on_a_common_grid_share_its_knots() {
     let x: Vec<f64> = (0..count).map(|i| 0.25 * f64::from(i)).collect();
     let z: Vec<f64> = (0..count).map(|i| f64::from(i * i % 7) * 0.1).collect();
     let track = Arc::new(Profile::new(x, z).unwrap());
-    let modes = Arc::new(Modes::natural(aircraft(), Damping::All(0.01)).unwrap());
+    let modes = f4e::modes(20.0, 0.01);
     let tracks = [&track; 3].map(Arc::clone);
     let run = Run::new(modes, &tracks, SPEED, false).unwrap();
     let grid = run.grid(None).unwrap();

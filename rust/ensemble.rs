@@ -233,6 +233,23 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// With room for all results.
+    fn with_room(runs: usize, gears: usize, points: usize) -> Result<Self> {
+        let room = |columns: usize| {
+            let mut values = Vec::new();
+            let reserved = runs.checked_mul(columns).map(|count| values.try_reserve_exact(count));
+            if matches!(reserved, Some(Ok(()))) { Ok(values) } else { Err(Error::NoRoom { runs }) }
+        };
+        Ok(Self {
+            max_load: room(gears)?,
+            min_load: room(gears)?,
+            rms_load: room(gears)?,
+            max_acceleration: room(points)?,
+            rms_acceleration: room(points)?,
+            failed: Vec::new(),
+        })
+    }
+
     /// Whether all results of the run read last are finite; its row becomes NaN if not.
     fn last_is_finite(&mut self, gears: usize, points: usize) -> bool {
         let all = [
@@ -332,6 +349,8 @@ pub fn simulate(plan: &Plan, source: &impl Source, pulse: Pulse) -> Result<Stati
 fn simulate_on(arch: Arch, plan: &Plan, source: &impl Source, pulse: Pulse) -> Result<Statistics> {
     let shape = source.shape();
     plan.check(shape)?;
+    let Some(first) = plan.cases.first() else { return Ok(Statistics::default()) };
+    let mut all = Statistics::with_room(shape.runs, first.gears(), first.points.len())?;
     let constants = |setups| Arc::new(Constants::new(arch, setups));
     let shared = if plan.is_single() { Some(constants(vec![plan.setup(shape, 0)?])) } else { None };
     let blocks = (0..shape.runs).step_by(RUNS).map(|first| first..(first + RUNS).min(shape.runs));
@@ -341,7 +360,6 @@ fn simulate_on(arch: Arch, plan: &Plan, source: &impl Source, pulse: Pulse) -> R
         let worker = || Worker { arch, plan, shape, shared, reader: source.reader(), march: None };
         workers.lend(worker, |worker| worker.block(block, pulse))
     })?;
-    let mut all = Statistics::default();
     for part in parts {
         all.append(part);
     }

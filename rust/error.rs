@@ -150,6 +150,9 @@ pub enum Error {
     /// A run of many whose arithmetic left the range.
     #[error("{place}: a result left the range of double precision")]
     RunOverflow { place: Place },
+    /// Results that do not fit in memory.
+    #[error("runs = {runs}: there is no memory for so many results")]
+    NoRoom { runs: usize },
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,

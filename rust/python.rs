@@ -9,7 +9,7 @@ use numpy::{
     PyReadonlyArray3, PyReadwriteArray3,
 };
 use pyo3::create_exception;
-use pyo3::exceptions::{PyArithmeticError, PyValueError};
+use pyo3::exceptions::{PyArithmeticError, PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
@@ -42,7 +42,11 @@ create_exception!(
 impl From<Error> for PyErr {
     fn from(error: Error) -> Self {
         let message = error.to_string();
-        if error.is_numerical() { NumericalError::new_err(message) } else { InputError::new_err(message) }
+        match error {
+            Error::NoRoom { .. } => PyMemoryError::new_err(message),
+            error if error.is_numerical() => NumericalError::new_err(message),
+            _ => InputError::new_err(message),
+        }
     }
 }
 

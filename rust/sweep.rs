@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::error::{Place, Result, moderate};
+use crate::error::{Error, Place, Result, moderate};
 use crate::extremes::Extreme;
 use crate::modes::Modes;
 use crate::parallel;
 use crate::profile::Profile;
 use crate::readout::Quantity;
-use crate::run::{Run, check_tracks};
+use crate::run::{LAST_KNOT, Run, check_tracks};
 use crate::watch::Pulse;
 
 /// All of a run but its speed.
@@ -51,8 +51,14 @@ impl Course {
         for (i, &speed) in speeds.iter().enumerate() {
             moderate(Place::at("speeds", i), speed)?;
         }
-        parallel::map(speeds, pulse, |&speed, pulse| {
-            let run = self.at(speed)?;
+        parallel::map(speeds.iter().enumerate(), pulse, |(i, &speed), pulse| {
+            let run = self.at(speed).map_err(|error| match error {
+                // The time over the profiles: all but the speed is as for other runs.
+                Error::OutOfRange { place, why, .. } if place == Place::from(LAST_KNOT) => {
+                    Error::OutOfRange { place: Place::at("speeds", i), value: speed, why }
+                }
+                other => other,
+            })?;
             run.extremes(quantities, run.span()?, pulse)
         })
     }

@@ -63,10 +63,17 @@ def test_blows_that_are_left_out_are_said(
 
 
 @pytest.mark.parametrize(
-    ("ratio", "given", "said"), [(0.1, "", True), (0.02, "", False), (0.1, "true", False)]
+    ("ratio", "given", "said"),
+    [
+        (0.1, "", "may be far too low"),
+        # On the mat's ramps the dampers would push by 6 % of the static load.
+        (0.02, "", "and slopes worth 6 % of static loads, but"),
+        (0.01, "", None),
+        (0.1, "true", None),
+    ],
 )
 def test_dampers_that_do_not_feel_the_ground_are_said(
-    case: Path, capsys: pytest.CaptureFixture[str], ratio: float, given: str, said: bool
+    case: Path, capsys: pytest.CaptureFixture[str], ratio: float, given: str, said: str | None
 ) -> None:
     case.write_text(
         '[units]\nlength = "in"\nforce = "lbf"\n[single_dof]\nmass = 145.5\nomega = 12\n'
@@ -75,7 +82,9 @@ def test_dampers_that_do_not_feel_the_ground_are_said(
         "utf-8",
     )
     assert main(["run", str(case)]) == 0
-    assert ("do not feel the ground's" in capsys.readouterr().out) == said
+    printed = capsys.readouterr().out
+    assert ("do not feel the ground's" in printed) == bool(said)
+    assert (said or "") in printed
 
 
 @pytest.mark.parametrize(

@@ -290,6 +290,7 @@ def variants(good: list[float]) -> dict[str, Any]:
         "reversed": base[::-1].copy()[::-1],
         "read-only": frozen,
         "misaligned": crooked,
+        "objects": base.astype(object),
         "masked, nothing hidden": np.ma.array(base, mask=False),
     }
 
@@ -315,6 +316,52 @@ def test_every_form_of_array(good: list[float], read: Make, form: str) -> None:
     np.testing.assert_array_equal(given, good)
 
 
+def test_wrong_kinds_are_refused_by_name() -> None:
+    ensemble = rm.simulate_many(MODES, np.zeros((3, 1, 9)), 12.0, 400.0)
+    surface = rm.Roughness.iso8608("A", unit="in")
+    runway: dict[str, Any] = {
+        "length": 500.0,
+        "spacing": 10.0,
+        "speed": 400.0,
+        "seed": 1,
+        "runs": 1,
+    }
+    strange = np.array([1, 2])
+    for make, said in (
+        (lambda: rm.simulate_many(rm.f4e(), np.zeros((3, 1, 9)), 12.0, 400.0), "Aircraft.modes"),
+        (lambda: rm.Profile.sequence(None, 1.0), "profiles = None is not a sequence"),
+        (lambda: rm.Profile.sequence([MAT, MAT], [[1, 2], [3]]), "gap is not a rectangular"),
+        (lambda: ensemble.mean("max_load", confidence=[0.9, 0.95]), "confidence = [0.9"),
+        (lambda: ensemble.mean(["max_load"]), "quantity = ['max_load']: no such"),
+        (lambda: ensemble.worst(["left"]), "at = ['left']: no such gear"),
+        (lambda: rm.monte_carlo(MODES, surface, **runway, on_error=strange), "on_error = array"),
+        (lambda: rm.monte_carlo(MODES, surface, **runway, tracks=strange), "tracks = array"),
+        (lambda: simulate(speed=np.ma.array(3.0, mask=True)), "speed is masked"),
+        (lambda: gear(name="\udc80"), "name = '\\udc80'"),
+        (lambda: aircraft(stations={1: (0.0, 0.0)}), "stations[1]: 1 is not a name"),
+        (lambda: rm.sweep(MODES, MAT, [400.0, 1e-90]), "speeds[1] = 1e-90 is out of range"),
+    ):
+        assert_refused(make, said)
+
+
+def test_more_runs_than_memory_holds() -> None:
+    surface = rm.Roughness.iso8608("A", unit="in")
+    runway: dict[str, Any] = {"length": 500.0, "spacing": 10.0, "speed": 400.0, "seed": 1}
+    for runs in (10**13, 2**62):
+        with pytest.raises(MemoryError, match=f"runs = {runs}"):
+            rm.monte_carlo(MODES, surface, **runway, runs=runs)
+    with pytest.raises(MemoryError, match="runs = "):
+        surface.elevations(length=500.0, spacing=10.0, seed=1, runs=2**62)
+    assert_refused(lambda: rm.monte_carlo(MODES, surface, **runway, runs=2**63), "runs = 9223")
+
+
+def test_modes_cannot_be_changed() -> None:
+    modes = rm.f4e().modes(0.01)
+    with pytest.raises(AttributeError, match="cannot be changed"):
+        modes.omega = np.ones(3)
+    assert modes == rm.f4e().modes(0.01)
+
+
 def test_integers() -> None:
     for kind in (int, np.int8, np.uint64, bool):
         values = np.array([0, 1, 1]).astype(kind)
@@ -335,7 +382,7 @@ def test_shapes_in_any_memory_order() -> None:
     [
         ["0", "1", "2"], [None, 1.0, 2.0], [0.0, 1j, 2.0], [object] * 3, [[0.0], [1.0, 2.0], 3.0],
         np.zeros((3, 1)), 5.0, None, "012", np.array(["a"] * 3), {1.0, 2.0}, {0.0: 1.0},
-        np.array([1, 2, 3], dtype="datetime64[s]"), np.array([0.0, 1.0, 2.0], dtype=object),
+        np.array([1, 2, 3], dtype="datetime64[s]"), [0.0, 1.0, 10**400],
     ],
     ids=repr,
 )  # fmt: skip

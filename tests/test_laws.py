@@ -404,3 +404,17 @@ def test_a_long_run_is_the_same_on_any_number_of_threads(monkeypatch: pytest.Mon
         arrays = (response.time, response.modal, response.modal_rate, response.extremes().max_load)
         bits.add(tuple(array.tobytes() for array in arrays))
     assert len(bits) == 1
+
+
+@pytest.mark.parametrize(("ratio", "low"), [(0.01, 0.0912), (0.1, 0.4976)])
+def test_dampers_on_steep_ramps_taken_fast(ratio: float, low: float) -> None:
+    modes = rm.single_dof(mass=145.5, omega=12.016, damping_ratio=ratio)
+    mat, speed = rm.Profile.full_mat(), rm.knots(100)
+    most = [
+        rm.simulate(modes, mat, speed, damping_input=given).extremes().max_load[0]
+        for given in (False, True)
+    ]
+    # Up the ramp the damper pushes by c z' v at once, before the spring is compressed.
+    c = 2.0 * ratio * 12.016 * 145.5
+    assert most[1] >= modes.aircraft.static_load[0] + c * speed * 1.5 / 12.0
+    assert 1.0 - most[0] / most[1] == pytest.approx(low, abs=1e-4)

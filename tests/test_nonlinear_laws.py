@@ -1,5 +1,6 @@
 """Force laws of the nonlinear gears, one by one, against quadrature, roots and differences."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -220,3 +221,18 @@ def test_bad_gears_and_aircraft() -> None:
     ahead = [nonlinear.Gear(name, x, 0.0, good, 1.0) for name, x in (("a", 1.0), ("b", 2.0))]
     refused("gears[1] = 'b' would have to hold the aircraft down", lambda: aircraft(*ahead))
     refused("gravity = 0.0", lambda: aircraft(gear(good), gravity=0.0))
+
+
+def test_gas_beyond_its_column_is_refused() -> None:
+    gas = nonlinear.GasSpring(1000.0, 8.0, 1.1)
+    for call, said in (
+        (lambda: gas.force(8.0), "compression = 8.0 is not below"),
+        (lambda: gas.force(np.array([1.0, 9.0])), "is not below the column"),
+        (lambda: gas.compression(0.0), "load = 0.0 is not positive"),
+        (lambda: gas.compression(np.array([5.0, -5.0])), "is not positive"),
+        (lambda: gas.stiffness(-5.0), "load = -5.0 is not positive"),
+    ):
+        with pytest.raises(rm.InputError, match=said):
+            call()
+    with pytest.raises(rm.InputError, match="gravity = 1e-200 is out of range"):
+        dataclasses.replace(nonlinear.f4e(), gravity=1e-200)

@@ -230,6 +230,49 @@ def test_a_single_bit_that_flips_is_noticed(tmp_path, modes, surface, share):
     assert_same_bits(stored.read(tmp_path), whole)
 
 
+def test_a_set_up_that_is_not_as_written_is_refused(tmp_path, modes, surface):
+    stored.monte_carlo(tmp_path, modes, surface, **RUNWAY, runs=3)
+    whole = stored.read(tmp_path)
+    file = tmp_path / "_setup.json"
+    as_written = file.read_bytes()
+    changes = [as_written[: len(as_written) // 2], b"", b"[]", b"null", b"{}", b"\xff\xfe"]
+    for at in range(0, len(as_written), 37):
+        flipped = bytearray(as_written)
+        flipped[at] ^= 1 << at % 8
+        changes.append(bytes(flipped))
+    for changed in changes:
+        file.write_bytes(changed)
+        try:
+            # 1e-05 and 1E-05 are the same.
+            assert stored.read(tmp_path).setup == whole.setup
+        except rm.InputError as error:
+            assert "_setup.json is damaged" in str(error)
+            with pytest.raises(rm.InputError, match=r"_setup\.json is damaged"):
+                stored.monte_carlo(tmp_path, modes, surface, **RUNWAY, runs=3)
+    file.write_bytes(as_written)
+    assert len(stored.read(tmp_path)) == 3
+
+
+def test_numbers_of_any_integer_kind(tmp_path, modes, surface):
+    few = {"runs": np.int64(4), "first_run": np.int64(2)}
+    stored.monte_carlo(tmp_path, modes, surface, **RUNWAY, **few, chunk=np.int64(2))
+    assert stored.read(tmp_path).run.tolist() == [2, 3, 4, 5]
+
+
+def test_a_speed_out_of_range_is_named_by_its_own_run(tmp_path, modes, surface):
+    speed = np.full(20, 400.0)
+    speed[17] = 1e-90
+    runway = RUNWAY | {"speed": speed}
+    for call in (
+        lambda: stored.monte_carlo(tmp_path / "new", modes, surface, **runway, runs=20, chunk=8),
+        lambda: rm.monte_carlo(modes, surface, **runway, runs=20, progress=print),
+        lambda: rm.monte_carlo(modes, surface, **runway, runs=20),
+    ):
+        with pytest.raises(rm.InputError, match=r"^speed\[17\] = 1e-90 is out of range"):
+            call()
+    assert not (tmp_path / "new").exists()
+
+
 def test_runs_without_their_set_up_are_refused(tmp_path, modes, surface):
     stored.monte_carlo(tmp_path, modes, surface, **RUNWAY, runs=3)
     (tmp_path / "_setup.json").unlink()

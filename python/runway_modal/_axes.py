@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from ._core import InputError
@@ -75,6 +76,8 @@ def shown(argument: str, names: Sequence[str] | None, there: Sequence[str], kind
     """Check the names of what is to be drawn; by default all there are."""
     if isinstance(names, str):
         raise InputError(f"{argument} = {names!r} is a single name; give a list, [{names!r}]")
+    if names is not None and not isinstance(names, Iterable):
+        raise InputError(f"{argument} = {names!r} is not a list of names")
     wanted = list(there if names is None else names)
     if not wanted:
         raise InputError(f"{argument} is empty")

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
 
-from ._core import InputError
+from ._core import InputError, NumericalError
 from ._input import integer, one_or_each, refuse
 from .ensemble import masks
-from .roughness import Roughness, lateral_positions, monte_carlo
+from .roughness import Roughness, lateral_positions, monte_carlo, run_numbers
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
     from typing import NotRequired
 
     from numpy.typing import ArrayLike
@@ -58,7 +59,7 @@ class Chunk:
         return monte_carlo(self.modes, self.roughness, **self.options)
 
 
-def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> list[Chunk]:
+def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> Iterator[Chunk]:
     """Cut a Monte Carlo into chunks of runs; faulty arguments are refused at once."""
     if not isinstance(roughness, Roughness):
         raise InputError(f"roughness = {roughness!r} is not a Roughness")
@@ -67,27 +68,30 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> l
             raise TypeError(f"monte_carlo() missing keyword argument: {key!r}")
     lateral_positions(modes, options.get("tracks", "one"))
     masks(options.get("on_error", "raise"))
-    runs = integer("runs", options["runs"], 1)
-    first_run = integer("first_run", options.get("first_run", 0), 0)
+    runs, first_run = run_numbers(options["runs"], options.get("first_run", 0))
     size = integer("chunk", size, 1)
     speed = one_or_each("speed", options["speed"], runs)
-    # Checked here: a chunk would count indices from its own first run.
     given = speed.reshape(np.shape(options["speed"]))
     refuse("speed", given, ~((given > 0) & np.isfinite(given)), "is not positive and finite")
 
-    def part(begin: int) -> Chunk:
-        end = min(begin + size, runs)
+    def part(begin: int, end: int) -> Chunk:
         own = options.copy()
-        own["speed"] = speed[begin:end] if speed.size == runs else speed[0]
+        own["speed"] = speed[begin:end] if given.ndim else speed[0]
         own["first_run"], own["runs"] = first_run + begin, end - begin
         return Chunk(modes, roughness, own)
 
-    parts = [part(begin) for begin in range(0, runs, size)]
-    # One trial run checks the other arguments before any result is kept.
-    trial = parts[0].options.copy()
-    trial["runs"], trial["speed"] = 1, speed[0]
-    Chunk(modes, roughness, trial).compute()
-    return parts
+    # Trial runs check the other arguments before any result is kept, with the speeds that are most
+    # likely to be out of range.
+    for row in sorted({int(given.argmin()), int(given.argmax())}):
+        try:
+            part(row, row + 1).compute()
+        except InputError as error:
+            # To it, this speed is the only one.
+            named = f"speed[{row}] = " if given.ndim else "speed = "
+            raise InputError(re.sub(r"^speed(\[0\])? = ", named, str(error))) from None
+        except NumericalError:
+            pass  # met again with its own number, or after the runs before it
+    return (part(begin, min(begin + size, runs)) for begin in range(0, runs, size))
 
 
 def computed(
@@ -95,7 +99,7 @@ def computed(
 ) -> Ensemble:
     """Compute chunk by chunk in this process; `progress` gets the runs finished and wanted."""
     results: list[Ensemble] = []
-    parts, runs, done = chunks(modes, roughness, options, CHUNK), options["runs"], 0
+    parts, runs, done = chunks(modes, roughness, options, CHUNK), int(options["runs"]), 0
     progress(done, runs)
     for part in parts:
         results.append(part.compute())

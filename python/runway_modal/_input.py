@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+from contextlib import suppress
 from numbers import Real
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -23,6 +24,8 @@ def number(argument: str, value: Any) -> float:
     """Check a real number; return it as a float."""
     if type(value) is float:
         return value
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise InputError(f"{argument} is masked")
     try:
         kind = value.dtype.kind if isinstance(value, np.ndarray | np.generic) else ""
         # float() would read strings and drop imaginary parts and masks.
@@ -83,6 +86,8 @@ def array(argument: str, values: ArrayLike, ndim: int | None = 1) -> NDArray[np.
         for place, value in np.ndenumerate(given):
             if not isinstance(value, Real):
                 raise InputError(f"{argument}{_where(place)} = {value!r} is not a real number")
+        with suppress(OverflowError):
+            given = given.astype(np.float64)
     if given.dtype.kind not in "biuf":
         what = "text" if given.dtype.kind in "US" else given.dtype
         raise InputError(f"{argument} holds {what}, not real numbers")

@@ -62,7 +62,7 @@ def column_of(quantity: str, at: str, gears: tuple[str, ...], stations: tuple[st
     """Find the column of a gear or station; refuse a name that has no such quantity."""
     kinds = ("gear", gears), ("station", stations)
     (kind, names), (other, others) = kinds if DIMENSIONS[quantity] == FORCE else kinds[::-1]
-    if at not in names:
-        hint = f"; {at!r} is a {other}, and {quantity} is of {kind}s" if at in others else ""
+    if not isinstance(at, str) or at not in names:
+        hint = f"; {at!r} is a {other}, and {quantity} is of {kind}s" if at in tuple(others) else ""
         raise InputError(f"at = {at!r}: no such {kind}; there are {names}{hint}")
     return names.index(at)

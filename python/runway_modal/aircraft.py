@@ -68,6 +68,8 @@ class Gear:
         """Check the values."""
         if not isinstance(self.name, str) or not self.name:
             raise InputError(f"name = {self.name!r} is not a gear name")
+        if any("\ud800" <= letter <= "\udfff" for letter in self.name):
+            raise InputError(f"name = {self.name!r} has a letter that no text can hold")
         for key in ("x", "y", "stiffness", "damping"):
             object.__setattr__(self, key, number(key, getattr(self, key)))
         core = _core.Gear(self.name, self.x, self.y, self.stiffness, self.damping)
@@ -344,6 +346,8 @@ def _stations(stations: Mapping[str, tuple[float, float]]) -> dict[str, tuple[fl
     points = {"cg": (0.0, 0.0)}
     for name, point in stations.items():
         key = f"stations[{name!r}]"
+        if not isinstance(name, str) or not name:
+            raise InputError(f"{key}: {name!r} is not a name")
         arms = array(key, point, ndim=None)
         if arms.shape != (2,):
             raise InputError(f"{key} has shape {arms.shape}, (x, y) expected")

@@ -75,5 +75,5 @@ def monte_carlo(
     """
     parts = chunks(modes, roughness, options, chunk)
     # Not pure: results that another call left in the cluster are not reused.
-    futures = client.map(Chunk.compute, parts, pure=False)
+    futures = client.map(Chunk.compute, list(parts), pure=False)
     return joined(future.result() for future in futures)

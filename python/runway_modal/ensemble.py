@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -30,7 +31,7 @@ from ._text import table
 from .modes import Modes, check_modes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     import pandas as pd
     import xarray as xr
@@ -178,7 +179,7 @@ class Ensemble(Pickled):
     @property
     def valid(self) -> NDArray[np.bool_]:
         """Whether each run could be computed, shape (n,)."""
-        return ~np.isnan(self.max_load[:, 0])
+        return read_only(~np.isnan(self.max_load[:, 0]))
 
     @property
     def unloaded(self) -> NDArray[np.bool_]:
@@ -187,7 +188,7 @@ class Ensemble(Pickled):
 
         Beyond that the linear model, in which a gear may pull on the runway, does not hold.
         """
-        return self.min_load <= 0.0
+        return read_only(self.min_load <= 0.0)
 
     def merge(self, other: Ensemble) -> Ensemble:
         """
@@ -254,7 +255,7 @@ class Ensemble(Pickled):
 
     def _of(self, quantity: str) -> NDArray[np.float64]:
         """Values of a quantity, one row per run, one column per gear or station."""
-        if quantity not in DIMENSIONS:
+        if not isinstance(quantity, str) or quantity not in DIMENSIONS:
             there = tuple(DIMENSIONS)
             raise InputError(f"quantity = {quantity!r}: no such quantity; there are {there}")
         values = getattr(self, quantity)
@@ -467,7 +468,7 @@ class Ensemble(Pickled):
         column = values[self.valid, at_column]
         rising = column if quantity in DOWNWARD else -column
         order = np.argsort(rising, kind="stable")[: integer("count", count, 0)]
-        return np.asarray(self.run[self.valid][order])
+        return read_only(self.run[self.valid][order])
 
     def plot(
         self,
@@ -721,6 +722,8 @@ def simulate_many(
     >>> ensemble.max_load.mean(axis=0).round(-2)
     array([ 9500., 26900., 26900.])
     """
+    if not isinstance(modes, Iterable):
+        check_modes("modes", modes)
     each = [modes] if isinstance(modes, Modes) else list(modes)
     given = _elevations(elevations)
     runs, tracks, count = given.shape
@@ -829,12 +832,13 @@ def describe(modes: Modes) -> dict[str, Any]:
 
 def _tail(confidence: float) -> float:
     """Probability on either side of an interval."""
+    confidence = number("confidence", confidence)
     return (1.0 - float(_between_0_and_1("confidence", confidence))) / 2.0
 
 
 def masks(on_error: str) -> bool:
     """Check `on_error`: whether runs that give no result are masked."""
-    if on_error not in ("raise", "mask"):
+    if not isinstance(on_error, str) or on_error not in ("raise", "mask"):
         raise InputError(f'on_error = {on_error!r} is neither "raise" nor "mask"')
     return on_error == "mask"
 

@@ -149,7 +149,8 @@ class Modes:
         core = _core.Modes.measured(aircraft._core, omega, ratio, shapes, correction)
         self._fill(aircraft, core, static_correction=correction)
         again = partial(Modes, static_correction=correction)
-        self._rebuild = (again, (aircraft, self.omega, self.damping_ratio, self.shapes))
+        made_of = (aircraft, self.omega, self.damping_ratio, self.shapes)
+        object.__setattr__(self, "_rebuild", (again, made_of))
 
     @classmethod
     def _natural(cls, aircraft: Aircraft, damping_ratio: ArrayLike | None) -> Modes:
@@ -160,16 +161,21 @@ class Modes:
         modes = cls.__new__(cls)
         core = _core.Modes.natural(aircraft._core, ratio)
         modes._fill(aircraft, core, static_correction=False)
-        modes._rebuild = (cls._natural, (aircraft, None if ratio is None else modes.damping_ratio))
+        made_of = (aircraft, None if ratio is None else modes.damping_ratio)
+        object.__setattr__(modes, "_rebuild", (cls._natural, made_of))
         return modes
 
     def _fill(self, aircraft: Aircraft, core: CoreModes, *, static_correction: bool) -> None:
-        self.aircraft = aircraft
-        self._core = core
-        self.static_correction = static_correction
-        self.omega = read_only(core.omega())
-        self.damping_ratio = read_only(core.damping_ratio())
-        self.shapes = read_only(core.shapes())
+        values = {
+            "aircraft": aircraft,
+            "_core": core,
+            "static_correction": static_correction,
+            "omega": read_only(core.omega()),
+            "damping_ratio": read_only(core.damping_ratio()),
+            "shapes": read_only(core.shapes()),
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
 
     @property
     def frequency_hz(self) -> NDArray[np.float64]:
@@ -195,6 +201,10 @@ class Modes:
         diagonal, which is kept, and where a mode has no damping.
         """
         return read_only(self._core.damping_coupling())
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse: what is marched over would still be the old values."""
+        raise AttributeError(f"Modes cannot be changed: {name} = {value!r}; make new ones")
 
     def __eq__(self, other: object) -> bool:
         """Whether both hold the same numbers, of equal aircraft."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, entries, finite, number, read_only, refuse
+from ._input import any_array, array, entries, finite, number, read_only, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -467,7 +468,7 @@ class Profile:
         array([   0.,   12.,  108.,  120.,  720.,  722.,  742.,  744., 1344.,
                1356., 1452., 1464.])
         """
-        if isinstance(profiles, Profile):
+        if isinstance(profiles, Profile) or not isinstance(profiles, Iterable):
             raise InputError(f"profiles = {profiles!r} is not a sequence of Profile")
         given = list(profiles)
         if not given:
@@ -475,10 +476,8 @@ class Profile:
         for i, profile in enumerate(given):
             if not isinstance(profile, Profile):
                 raise InputError(f"profiles[{i}] = {profile!r} is not a Profile")
-        if np.ndim(gap) == 0:
-            gaps = np.full(len(given) - 1, number("gap", gap))
-        else:
-            gaps = array("gap", gap)
+        gaps = any_array("gap", gap)
+        gaps = np.full(len(given) - 1, number("gap", gap)) if gaps.ndim == 0 else array("gap", gap)
         if gaps.size != len(given) - 1:
             raise InputError(
                 f"gap has {entries(gaps.size)}, {len(given) - 1} expected (one fewer than profiles)"

@@ -86,8 +86,8 @@ def read_csv(
 
     The first row is a header if no cell in it is a number. A heading may end in its unit, as in
     "station [m]" or "station (m)". Blank lines and lines that begin with # are skipped; a repeated
-    station is a vertical step. Nothing else is guessed, and nothing is dropped: every row must
-    have as many cells as the first.
+    station is a vertical step. Nothing else is guessed, and nothing but rows of empty cells
+    is dropped: every row must have as many cells as the first.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def read_csv(
     if delimiter is None:
         between = _QUOTED.sub("", heading)
         delimiter = next((c for c in "\t;," if c in between and c != decimal), None)
-    headings = [cell.strip() for cell in _cells(heading, delimiter)]
+    headings = [cell.strip() for cell in _cells(path, table[0], delimiter)]
     header = not any(is_number(cell, decimal) for cell in headings)
     if not header:
         headings = [""] * len(headings)
@@ -197,12 +197,12 @@ def _pick(
     path: FilePath, table: list[tuple[int, str]], columns: list[int], delimiter: str | None
 ) -> tuple[list[int], list[list[str]]]:
     """Line of each row, and the cells of each column."""
-    first, line = table[0]
-    width = len(_cells(line, delimiter))
+    first = table[0][0]
+    width = len(_cells(path, table[0], delimiter))
     lines: list[int] = []
     picked: list[list[str]] = [[] for _ in columns]
     for number, line in table:
-        cells = _cells(line, delimiter)
+        cells = _cells(path, (number, line), delimiter)
         if len(cells) != width:
             counts = f"{len(cells)} cell(s) where line {first} has {width}"
             title = "; to skip lines above the header use skiprows" if len(lines) == 1 else ""
@@ -213,10 +213,14 @@ def _pick(
     return lines, picked
 
 
-def _cells(line: str, delimiter: str | None) -> list[str]:
-    if delimiter is not None and '"' in line:
-        return next(csv.reader([line], delimiter=delimiter))
-    return line.split(delimiter)
+def _cells(path: FilePath, row: tuple[int, str], delimiter: str | None) -> list[str]:
+    number, line = row
+    if delimiter is None or '"' not in line:
+        return line.split(delimiter)
+    try:
+        return next(csv.reader([line], delimiter=delimiter, strict=True))
+    except csv.Error as error:
+        raise fault(path, number, f"{error}: {excerpt(line)}") from None
 
 
 def _name_and_unit(cell: str) -> tuple[str, str]:

@@ -159,7 +159,7 @@ class Response(Shown):
 
         Beyond that the linear model, in which a gear may pull on the runway, does not hold.
         """
-        return self.extremes().min_load <= 0.0
+        return read_only(self.extremes().min_load <= 0.0)
 
     def at(self, times: ArrayLike) -> Response:
         """

@@ -325,10 +325,13 @@ class Roughness:
         >>> bool((one[0] == four[2]).all())
         True
         """
-        runs = integer("runs", runs, 1)
-        first_run = integer("first_run", first_run, 0, _NUMBERS - runs + 1)
+        runs, first_run = run_numbers(runs, first_run, _NUMBERS)
         generator = self._generator(length, spacing, seed, array("y", y))
-        out = np.empty((runs, np.size(y), generator.stations()))
+        shape = (runs, np.size(y), generator.stations())
+        try:
+            out = np.empty(shape)
+        except ValueError:
+            raise MemoryError(f"runs = {runs}: no array is as large as {shape}") from None
         generator.elevations(first_run, out)
         return out
 
@@ -531,9 +534,7 @@ def monte_carlo(
         raise InputError(f"roughness = {roughness!r} is not a Roughness")
     damping_input = flag("damping_input", damping_input)
     mask = masks(on_error)
-    runs = integer("runs", runs, 1)
-    # Run numbers of ensembles have 63 bits.
-    first_run = integer("first_run", first_run, 0, _NUMBERS // 2 - runs + 1)
+    runs, first_run = run_numbers(runs, first_run)
     y = lateral_positions(modes, tracks)
     generator = roughness._generator(length, spacing, seed, y)
     speeds = one_or_each("speed", speed, runs)
@@ -583,9 +584,17 @@ def _power_law(
     return Roughness(coefficient=coefficient, waviness=waviness, reference=reference, band=band)
 
 
+def run_numbers(runs: int, first_run: int, below: int = _NUMBERS // 2) -> tuple[int, int]:
+    """Check how many runs there are and the first one's number; ensembles' have 63 bits."""
+    runs = integer("runs", runs, 1, below)
+    return runs, integer("first_run", first_run, 0, below - runs + 1)
+
+
 def lateral_positions(modes: Modes, tracks: str) -> NDArray[np.float64]:
     """Lateral positions of the tracks: one for all gears or one per gear."""
     check_modes("modes", modes)
+    if not isinstance(tracks, str):
+        raise InputError(f"tracks = {tracks!r} is neither 'one' nor 'isotropic'")
     if tracks == "one":
         return np.zeros(1)
     if tracks == "isotropic":

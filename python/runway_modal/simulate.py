@@ -57,10 +57,11 @@ def simulate(
     damping_input : bool
         Whether the gears' dampers take part in the ground input and the loads, the terms
         C₁u̇ of Eq. 12 and c(u̇_P - u̇) of Eqs. 2 and 16. The report drops them, and so does the
-        default. That is not safe where gears are strongly damped: on the full mat at 20 knots
-        the bounce model's largest load (`single_dof`) is then 0.02 % too low with 1 % damping and
-        14 % with 10 %, and at 60 knots 37 %. The terms come from `Gear.damping`, not from the
-        damping ratios.
+        default. That is not safe where gears are strongly damped, or steep ramps are taken fast:
+        over the full mat the bounce model's largest load (`single_dof`) is then too low by 0.02,
+        0.02 and 9.1 % with 1 % damping at 20, 60 and 100 knots, and by 14, 37 and 50 % with 10 %;
+        over random runways hardly at all with 1 %. The terms come from `Gear.damping`, not from
+        the damping ratios.
 
     Returns
     -------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from pathlib import Path
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 __all__ = ["monte_carlo", "read"]
 
 _SETUP = "_setup.json"
+_CHECKSUM = "sha256"
 
 _OF_GEARS = [key for key, dimension in DIMENSIONS.items() if dimension == FORCE]
 _OF_STATIONS = [key for key in DIMENSIONS if key not in _OF_GEARS]
@@ -105,14 +107,14 @@ def monte_carlo(
     )
     about = {
         "runway_modal": __version__,
-        "chunk": chunk,
-        "first_run": options.get("first_run", 0),
+        "chunk": int(chunk),
+        "first_run": int(options.get("first_run", 0)),
         "speed": _shared_speed(options["speed"]),
         "setup": common,
     }
     _finished(folder)
     _agree(folder / _SETUP, about)
-    runs, done = options["runs"], 0
+    runs, done = int(options["runs"]), 0
     if progress is not None:
         progress(done, runs)
     for part in parts:
@@ -162,7 +164,7 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
         inside = ", ".join(sorted(file.parent.name for file in folder.glob(f"*/{_SETUP}")))
         hint = f"; directories in it do: {inside}" if inside else ""
         raise InputError(f"directory = {os.fspath(directory)!r} holds no runs{hint}")
-    about = json.loads((folder / _SETUP).read_text())
+    about = _about(folder / _SETUP)
     last = None if runs is None else about["first_run"] + integer("runs", runs, 1) - 1
     parts = (_read(file, about["setup"], last) for file in files)
     found = joined(part for part in parts if len(part))
@@ -177,15 +179,36 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
 def _agree(file: Path, about: dict[str, Any]) -> None:
     """Write the set-up, or compare it with the one that is there."""
     if not file.exists():
-        _replace(file, lambda path: path.write_text(json.dumps(about, indent=1)))
+        text = json.dumps({**about, _CHECKSUM: _checksum(about)}, indent=1)
+        _replace(file, lambda path: path.write_text(text, encoding="utf-8"))
         return
-    there, here = (_flat(each) for each in (json.loads(file.read_text()), about))
+    there, here = (_flat(each) for each in (_about(file), about))
     for key in here | there:
         if there.get(key) != here.get(key):
             raise InputError(
                 f"{file} holds another set-up: {key} = {_brief(there.get(key))} there, "
                 f"{_brief(here.get(key))} here"
             )
+
+
+def _about(file: Path) -> dict[str, Any]:
+    """Read a set-up as it was written."""
+    try:
+        about: dict[str, Any] = json.loads(file.read_bytes())
+        as_written = about.pop(_CHECKSUM) == _checksum(about)
+    # Whatever the bytes happen to say.
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        as_written = False
+    if not as_written:
+        raise InputError(
+            f"{file} is damaged: what runs are in {file.parent} is not known; without it and them "
+            "`monte_carlo` begins anew"
+        )
+    return about
+
+
+def _checksum(about: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()
 
 
 def _brief(value: object) -> str:

@@ -99,7 +99,7 @@ class Sweep(Pickled):
 
         Beyond that the linear model, in which a gear may pull on the runway, does not hold.
         """
-        return self.min_load <= 0.0
+        return read_only(self.min_load <= 0.0)
 
     def plot(
         self,
@@ -477,7 +477,7 @@ def worst_speed(
     low, high = _limits(speeds)
     aircraft = modes.aircraft
     quantities = ("max_load", "min_load", "max_acceleration")
-    if quantity not in quantities:
+    if not isinstance(quantity, str) or quantity not in quantities:
         raise InputError(f"quantity = {quantity!r} is none of {', '.join(quantities)}")
     column = column_of(quantity, at, aircraft.gear_names, tuple(aircraft.stations))
     point = aircraft.stations[at] if quantity == "max_acceleration" else (0.0, 0.0)

@@ -277,7 +277,7 @@ class Units:
         """
         if not isinstance(value, str):
             # True is a number to Python.
-            if isinstance(value, bool):
+            if isinstance(value, bool | np.bool_):
                 raise InputError(f"{argument} = {value!r} is not a number")
             return finite(argument, value)
         # Atomic: the last digit is no unit.
@@ -297,6 +297,8 @@ class Units:
                 f"{argument} = {value!r}: unknown unit {error.args[0]!r}; known are "
                 f"{', '.join(_UNITS)}, their powers, products and quotients"
             ) from None
+        except OverflowError:
+            raise InputError(f"{argument} = {value!r}: a unit beyond all numbers") from None
         if given != dimension:
             raise InputError(
                 f"{argument} = {value!r} has the wrong kind of unit; one like '{wanted}' is needed"

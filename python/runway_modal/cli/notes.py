@@ -84,11 +84,13 @@ def on_dampers(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:
             )
         return
     if not case.damping_input:
-        if most > _DAMPED:
+        steep = _on_slopes(case, tracks)
+        if most > _DAMPED or steep > _JUMPS:
+            slopes = f" and slopes worth {100.0 * steep:.0f} % of static loads" if steep else ""
             yield (
-                f"WARNING: damping ratios up to {most:.2g}, but the dampers do not feel the "
-                "ground's motion, as in the 1980 report; loads may be far too low (set "
-                "damping_input = true under [run])"
+                f"WARNING: damping ratios up to {most:.2g}{slopes}, but the dampers do not feel "
+                "the ground's motion, as in the 1980 report; loads may be "
+                f"{'far ' if most > _DAMPED else ''}too low (set damping_input = true under [run])"
             )
         return
     struck = [name for name in damped if name in tracks and (np.diff(tracks[name].x) == 0.0).any()]
@@ -97,6 +99,19 @@ def on_dampers(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:
             f"WARNING: vertical steps strike the dampers of {', '.join(struck)}; the results leave "
             "out that impulse (model the edge as a ramp, or use [footprint])"
         )
+
+
+def _on_slopes(case: Case, tracks: Mapping[str, Profile]) -> float:
+    """Force of dampers on the steepest slope of a shape, at most, as a share of the static load."""
+    aircraft, speed = case.modes.aircraft, max(case.speeds.values(), default=0.0)
+    most = 0.0
+    for gear, static in zip(aircraft.gears, aircraft.static_load.tolist(), strict=True):
+        track = tracks.get(gear.name)
+        if static > 0.0 and track is not None and track.x.size < _SURVEY:
+            length = np.diff(track.x)
+            slopes = np.diff(track.z)[length > 0.0] / length[length > 0.0]
+            most = max(most, gear.damping * speed * float(abs(slopes).max(initial=0.0)) / static)
+    return most
 
 
 def _on_noise(case: Case, tracks: Mapping[str, Profile]) -> Iterator[str]:

@@ -186,7 +186,9 @@ class Aircraft:
         checked = self._linear_with([gear.tire for gear in gears])
         for key in ("mass", "pitch_inertia", "roll_inertia", "gravity", "stations"):
             object.__setattr__(self, key, getattr(checked, key))
-        positive("gravity", self.gravity)
+        if not 1e-100 <= positive("gravity", self.gravity) <= 1e100:
+            why = "1e-100 to 1e100 is allowed"
+            raise InputError(f"gravity = {self.gravity!r} is out of range: {why}")
         loads = self._share(checked)
         for i, load in enumerate(loads.tolist()):
             if not load > _NO_LOAD * self.mass * self.gravity:

@@ -226,7 +226,7 @@ class Response(Shown):
     @property
     def unloaded(self) -> NDArray[np.bool_]:
         """Whether each gear leaves the runway between the first and the last time, shape (g,)."""
-        return self.extremes().min_load <= 0.0
+        return read_only(self.extremes().min_load <= 0.0)
 
     def at(self, times: ArrayLike) -> Response:
         """

@@ -48,14 +48,14 @@ class Branch:
         """Sum of the compressions at a load."""
         total: Values = self.compliance * load
         for chamber in self.chambers:
-            total = total + chamber.compression(load)
+            total = total + chamber._compression(load)
         return total
 
     def stiffness(self, load: Values) -> Values:
         """Tangent stiffness at a load, 1/k = Σ 1/k_i (Table 2)."""
         total: Values = self.compliance + 0.0 * load
         for chamber in self.chambers:
-            total = total + 1.0 / chamber.stiffness(load)
+            total = total + 1.0 / chamber._stiffness(load)
         return 1.0 / total
 
     def load(self, compression: Values) -> Values:
@@ -69,8 +69,8 @@ class Branch:
         if self.compliance:
             return self._newton(compression, self._isothermal(compression))
         if alone:
-            return gas.force(compression)
-        return self._newton(compression, gas.force(_bounded(compression, -math.inf, 0.0)))
+            return gas._force(compression)
+        return self._newton(compression, gas._force(_bounded(compression, -math.inf, 0.0)))
 
     def _isothermal(self, compression: Values) -> Values:
         """

@@ -124,12 +124,22 @@ class GasSpring:
         float or ndarray
             Load [force].
 
+        Raises
+        ------
+        InputError
+            If a compression is ℓ or more.
+
         Examples
         --------
         >>> from runway_modal import nonlinear
         >>> nonlinear.GasSpring(load=1000.0, column=8.0).force(-8.0)
         500.0
         """
+        if not np.all(np.less(compression, self.column)):
+            raise InputError(f"compression = {compression!r} is not below the column's length")
+        return self._force(compression)
+
+    def _force(self, compression: Values) -> Values:
         load: Values = self.load * (self.column / (self.column - compression)) ** self.polytropic
         return load
 
@@ -147,12 +157,21 @@ class GasSpring:
         float or ndarray
             Compression from the reference point [length].
 
+        Raises
+        ------
+        InputError
+            If a load is not positive.
+
         Examples
         --------
         >>> from runway_modal import nonlinear
         >>> nonlinear.GasSpring(load=1000.0, column=8.0).compression(2000.0)
         4.0
         """
+        _check_load(load)
+        return self._compression(load)
+
+    def _compression(self, load: Values) -> Values:
         compression: Values = self.column * (1.0 - (self.load / load) ** (1.0 / self.polytropic))
         return compression
 
@@ -170,14 +189,28 @@ class GasSpring:
         float or ndarray
             Tangent stiffness [force/length].
 
+        Raises
+        ------
+        InputError
+            If a load is not positive.
+
         Examples
         --------
         >>> from runway_modal import nonlinear
         >>> nonlinear.GasSpring(load=1000.0, column=8.0).stiffness(2000.0)
         500.0
         """
+        _check_load(load)
+        return self._stiffness(load)
+
+    def _stiffness(self, load: Values) -> Values:
         slope: Values = load * (load / self.load) ** (1.0 / self.polytropic)
         return self.polytropic / self.column * slope
+
+
+def _check_load(load: float | Array) -> None:
+    if not np.all(np.greater(load, 0.0)):
+        raise InputError(f"load = {load!r} is not positive")
 
 
 @dataclass(frozen=True, slots=True)

@@ -307,8 +307,8 @@ class Profile:
         array([0., 1., 2., 1., 0.])
         """
         count = number("segments", segments)
-        if not (count == int(count) if abs(count) < 1e9 else False):
-            raise InputError(f"segments = {segments!r} is not a whole number below 1e9")
+        if not (count == int(count) if abs(count) < 1e7 else False):
+            raise InputError(f"segments = {segments!r} is not a whole number below 1e7")
         if count < 2:
             raise InputError(f"segments = {segments!r} is less than 2")
         length, height = number("length", length), number("height", height)

@@ -46,6 +46,7 @@
 //! | [`readout`] | loads, motions and accelerations as linear forms of the state |
 //! | [`sample`] | rows of results at the default times or at any |
 //! | [`extremes`] | true maxima and minima between samples |
+//! | `mean_square` | root mean squares over time, without sampling |
 //! | [`sweep`] | one runway at many speeds |
 //! | [`worst`] | the worst speed of a range, with a bound on all others |
 //! | [`row`] | eight runs side by side: a number of each |
@@ -92,6 +93,7 @@ mod inside;
 mod knots;
 pub mod lanes;
 mod march;
+mod mean_square;
 mod merge;
 pub mod modes;
 mod pages;

@@ -8,6 +8,9 @@ use crate::aircraft::{Aircraft, Gear, gram};
 use crate::error::{Error, Place, Result, finite, moderate, not_negative};
 use crate::strains::orthogonal_strains;
 
+/// Most modes there can be: bounce, pitch and roll are the degrees of freedom.
+pub const MODES: usize = 3;
+
 /// How far ΦᵀMΦ of given shapes may be from the identity: three printed digits, as in
 /// the report's tables, are off by up to 1.3e-3.
 pub const ORTHONORMALITY: f64 = 5e-3;

@@ -396,6 +396,19 @@ impl Run {
         let found = detached(py, |pulse| self.0.extremes_between(&quantities, times, pulse))?;
         Ok(extremes_of(py, &found, gears, points))
     }
+
+    /// Of the dynamic loads, then of accelerations at `stations`.
+    fn root_mean_squares<'py>(
+        &self,
+        py: Python<'py>,
+        stations: Vec<(f64, f64)>,
+        begin: f64,
+        end: f64,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let quantities = [Quantity::DynamicLoad, Quantity::Acceleration(stations)];
+        let found = detached(py, |pulse| self.0.root_mean_squares(&quantities, (begin, end), pulse))?;
+        Ok(read_only(PyArray1::from_vec(py, found)))
+    }
 }
 
 /// Loads: max, time of max, min, time of min; a row a list, a column a gear. Accelerations: largest

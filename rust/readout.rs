@@ -20,6 +20,8 @@ pub enum Quantity {
     GearDisplacement,
     /// Compression load of each gear, static load included (Eq. 21, general form).
     Load,
+    /// The dynamic part of that: without the static load.
+    DynamicLoad,
     /// Vertical acceleration at points (x, y) of the body.
     Acceleration(Vec<(f64, f64)>),
     /// Accelerations of the modal coordinates, without the dampers' input.
@@ -127,9 +129,9 @@ impl Form {
         form
     }
 
-    /// Load of a gear g = (1, x, y),
+    /// Load of a gear g = (1, x, y) less its static load,
     ///
-    ///   F = static load − k gᵀΦ d + k Σ_j U_gj (u_j − u_j(0)) + k Σ_j W_gj u_j(0),
+    ///   F = − k gᵀΦ d + k Σ_j U_gj (u_j − u_j(0)) + k Σ_j W_gj u_j(0),
     ///
     /// and its damper's force where that input is kept. U and W are `unfollowed` and `warp` of
     /// [`Statics`](crate::modes::Statics): the modes follow elevations from where the aircraft itself
@@ -139,7 +141,7 @@ impl Form {
     ///
     /// and Σ_j W_gj u_j(0) = Σ_j W_gj (u_j(0) − u_0(0)), since rows of W sum to zero. If those of U do
     /// (`lifted`), the weight of track 0 is exactly zero.
-    fn load(run: &Run, gear: usize) -> Self {
+    fn dynamic_load(run: &Run, gear: usize) -> Self {
         let aircraft = run.modes.aircraft();
         let statics = run.modes.statics();
         let (k, row) = (aircraft.gears()[gear].stiffness, aircraft.gears()[gear].row());
@@ -166,7 +168,7 @@ impl Form {
         if statics.lifted {
             form.height[0] = 0.0;
         }
-        form.constant = aircraft.static_load()[gear] + of_first;
+        form.constant = of_first;
         form
     }
 
@@ -181,7 +183,14 @@ impl Form {
             Quantity::GearDisplacement => {
                 gears.iter().map(|gear| Self::displacement(run, gear.row())).collect()
             }
-            Quantity::Load => (0..gears.len()).map(|gear| Self::load(run, gear)).collect(),
+            Quantity::Load => {
+                let mut forms = Self::all(run, &Quantity::DynamicLoad);
+                for (form, load) in forms.iter_mut().zip(run.modes.aircraft().static_load()) {
+                    form.constant += load;
+                }
+                forms
+            }
+            Quantity::DynamicLoad => (0..gears.len()).map(|gear| Self::dynamic_load(run, gear)).collect(),
             Quantity::Acceleration(points) => {
                 points.iter().map(|&(x, y)| Self::acceleration(run, Vector3::new(1.0, x, y))).collect()
             }

@@ -230,7 +230,13 @@ impl Oscillators {
     /// The transition over a short time, by fewer terms.
     #[inline(always)]
     pub(crate) fn over_short(&self, dt: f64) -> Transition {
-        self.step::<SHORT_TERMS>(Lanes::all(dt))
+        self.over_short_parts(Lanes::all(dt))
+    }
+
+    /// The same, a time a lane.
+    #[inline(always)]
+    pub(crate) fn over_short_parts(&self, dt: Lanes) -> Transition {
+        self.step::<SHORT_TERMS>(dt)
     }
 
     /// The transition over times of at most a radian, one a lane, by `N` terms of the series.

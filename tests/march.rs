@@ -145,6 +145,25 @@ proptest! {
             prop_assert!((most - whole.max).abs() <= room && (least - whole.min).abs() <= room);
         }
     }
+
+    #[test]
+    fn mean_squares_of_spans_add_up(profile in profile(), zeta in 0.0..3.0, damping_input: bool) {
+        let run = run([&profile; 3], zeta, damping_input);
+        let quantities = [Quantity::DynamicLoad, Quantity::Acceleration(vec![(100.0, 20.0)])];
+        let squares = |begin: f64, end: f64| -> Vec<f64> {
+            let roots = run.root_mean_squares(&quantities, (begin, end), &mut || Ok(())).unwrap();
+            roots.into_iter().map(|root| (end - begin) * root * root).collect()
+        };
+        // Before the first knot, in the midst of segments, beyond the last knot.
+        let times = [-1.0, 0.013, 0.9, 0.91, 3.3, 40.0];
+        let mut sums = vec![0.0; 4];
+        for span in times.windows(2) {
+            sums.iter_mut().zip(squares(span[0], span[1])).for_each(|(sum, part)| *sum += part);
+        }
+        for (sum, whole) in sums.into_iter().zip(squares(times[0], times[5])) {
+            prop_assert!((sum - whole).abs() <= 1e-12 * whole, "{sum:?} {whole:?}");
+        }
+    }
 }
 
 #[test]

@@ -172,6 +172,15 @@ def test_nonlinear_run(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert pd.read_csv(paths["csv"])["stiffness_left [lbf/in]"].max() > 11000.0
 
 
+def test_root_mean_squares_of_acceleration(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(case)]) == 0
+    line = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("  cg "))
+    response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+    assert float(line.split()[-1]) == pytest.approx(
+        response.rms_acceleration["cg"] / 386.0886, abs=6e-5
+    )
+
+
 def test_the_worst_sections(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", str(case), "--sections", "25 ft"]) == 0
     printed = capsys.readouterr().out
@@ -228,6 +237,8 @@ def test_files_hold_the_response(case: Path, capsys: pytest.CaptureFixture[str])
     runs = json.loads(Path(paths["json"]).read_text())["runs"]
     assert [run["stated_speed"] for run in runs] == ["10 kt", "20 kt"]
     assert runs[1]["max_load"]["left"] == pytest.approx(43685.9, abs=0.05)
+    assert runs[1]["rms_load"]["left"] == pytest.approx(response.rms_load[1])
+    assert runs[1]["rms_acceleration"]["cg"] == pytest.approx(response.rms_acceleration["cg"])
     assert (out / "loads.png").read_bytes().startswith(b"\x89PNG")
 
 

@@ -115,6 +115,9 @@ class Run:
     def extremes(
         self, stations: list[tuple[float, float]], times: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+    def root_mean_squares(
+        self, stations: list[tuple[float, float]], begin: float, end: float
+    ) -> NDArray[np.float64]: ...
 
 @final
 class Course:

@@ -1,4 +1,4 @@
-"""What the responses of linear and nonlinear aircraft share: figures and tables."""
+"""What the responses of linear and nonlinear aircraft share: means, figures and tables."""
 
 from __future__ import annotations
 
@@ -50,6 +50,8 @@ class Results(Protocol):
     _of_gears: ClassVar[tuple[str, ...]]
 
     @property
+    def _rms(self) -> Array: ...
+    @property
     def aircraft(self) -> Aircraft: ...
     @property
     def time(self) -> Array: ...
@@ -68,12 +70,28 @@ class Results(Protocol):
 
 
 class Shown:
-    """Figures and tables of a response."""
+    """Root mean squares, figures and tables of a response."""
 
     __slots__ = ()
 
     #: Quantities with one column per gear.
     _of_gears: ClassVar[tuple[str, ...]] = ("load", "elevation")
+
+    @property
+    def rms_load(self: Results) -> Array:
+        """
+        Root mean square of each gear's dynamic load, shape (g,) [force].
+
+        Of load - static load, over the time from the first to the last sample and between samples
+        too. Another span's is ``response.at([begin, end]).rms_load``; an instant's a magnitude.
+        """
+        return self._rms[: len(self.aircraft.gears)]
+
+    @property
+    def rms_acceleration(self: Results) -> dict[str, float]:
+        """Root mean square of vertical acceleration by station, over that time [length/time²]."""
+        values = self._rms[len(self.aircraft.gears) :].tolist()
+        return dict(zip(self.aircraft.stations, values, strict=True))
 
     def plot(
         self: Results,

@@ -161,6 +161,11 @@ class Response(Shown):
         """
         return read_only(self.extremes().min_load <= 0.0)
 
+    @cached_property
+    def _rms(self) -> NDArray[np.float64]:
+        begin, end = float(self.time[0]), float(self.time[-1])
+        return self._run.root_mean_squares(self._stations(), begin, end)
+
     def at(self, times: ArrayLike) -> Response:
         """
         Evaluate the same run at other times, exactly.

@@ -2,9 +2,10 @@
 
 use pulp::Arch;
 
-use super::setup::{MODES, Reading, Setup};
+use super::setup::{Reading, Setup};
 use super::squares::{Integrate, Square};
 use crate::lanes::Lanes;
+use crate::modes::MODES;
 use crate::readout::Form;
 use crate::row::Row;
 

@@ -30,9 +30,10 @@ use pulp::{Arch, Simd, WithSimd};
 use super::ahead::Ahead;
 use super::constants::{Constants, States, of_lane};
 use super::records::Records;
-use super::setup::{Layout, MODES};
+use super::setup::Layout;
 use super::vector::parts;
 use super::{Reader, Statistics};
+use crate::modes::MODES;
 use crate::row::{RUNS, Row};
 use crate::watch::Watch;
 

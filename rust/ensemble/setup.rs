@@ -11,15 +11,12 @@ use crate::distance::Distance;
 use crate::error::{Error, Place, Result};
 use crate::extremes::{Lengths, Output};
 use crate::lanes::Lanes;
-use crate::modes::Modes;
+use crate::modes::{MODES, Modes};
 use crate::profile::Profile;
 use crate::readout::{Form, Quantity};
 use crate::run::Run;
 use crate::track::HARMLESS;
 use crate::transition::{Oscillators, Transition};
-
-/// Modes of a rigid aircraft.
-pub(super) const MODES: usize = 3;
 
 /// More spacings than this between two gears are a slip in the units.
 const LONGEST_LAG: f64 = 1e8;

@@ -11,19 +11,12 @@
 use pulp::{Simd, WithSimd};
 
 use super::constants::{Constants, ModeStep, Weights, of_lane};
-use super::setup::{Layout, MODES};
+use super::setup::Layout;
 use super::vector::parts;
+use crate::mean_square::GAUSS;
+use crate::modes::MODES;
 use crate::row::{RUNS, Row};
 use crate::transition::Transition;
-
-/// Nodes of Gauss's rule on (−1, 1), one half, with their weights: exact to double precision over a
-/// radian of the stiffest mode.
-const GAUSS: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_47),
-    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
-];
 
 const ONE: Row = Row::all(1.0);
 

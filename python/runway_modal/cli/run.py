@@ -95,12 +95,16 @@ def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) ->
         ["UNLOADS" if lost else "" for lost in unloaded],
     )
     over = f"over [{units.length}]"
-    yield f"  {'station':<{width}}   largest vertical acceleration [g]     at [s]{over:>14}"
+    heads = f"   largest vertical acceleration [g]     at [s]{over:>14}   RMS [g]"
+    yield f"  {'station':<{width}}{heads}"
     for station, value in extremes.max_acceleration.items():
         at = extremes.time_of_max_acceleration[station]
         where = extremes.position_of_max_acceleration[station]
-        share = value / units.standard_gravity
-        yield f"  {station:<{width}} {share:35.4f} {at:10.4f}{where:14.2f}"
+        share, mean = (
+            acceleration / units.standard_gravity
+            for acceleration in (value, response.rms_acceleration[station])
+        )
+        yield f"  {station:<{width}} {share:35.4f} {at:10.4f}{where:14.2f}{mean:10.4f}"
     if case.reference is None:
         yield from unloading([name for name, lost in zip(gears, unloaded, strict=True) if lost])
 
@@ -162,7 +166,9 @@ def _results(case: Case, name: str, response: Response | nonlinear.Response) -> 
         "static_load": by_gear(response.static_load),
         **{key: by_gear(getattr(extremes, key)) for key in EXTREMES_OF_GEARS},
         "unloaded": by_gear(response.unloaded),
+        "rms_load": by_gear(response.rms_load),
         **{key: getattr(extremes, key) for key in EXTREMES_OF_STATIONS},
+        "rms_acceleration": response.rms_acceleration,
         "history": {name: values.tolist() for name, values in history.items()},
     }
 

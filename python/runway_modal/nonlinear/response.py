@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from .motion import Motion
     from .springs import Array
 
+#: Nodes and weights on (-1, 1): exact for the square of a step's polynomial of degree 7.
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+
 #: Points per step at which extremes are sought.
 _LOOKS = 8
 
@@ -65,6 +68,13 @@ class Piece:
         knots = np.array(self.knots)
         inner = (knots[:-1, None] + np.diff(knots)[:, None] * np.arange(_LOOKS) / _LOOKS).ravel()
         return np.concatenate(([begin], inner[(inner > begin) & (inner < end)], [end]))
+
+    def nodes(self, begin: float, end: float) -> tuple[Array, Array]:
+        """Choose times in the piece, and their weights in integrals over it."""
+        begin, end = max(begin, self.begin), min(end, self.end)
+        knots = np.array([begin, *(knot for knot in self.knots if begin < knot < end), end])
+        half = np.diff(knots)[:, None] / 2.0
+        return (knots[:-1, None] + half * (1.0 + _NODES)).ravel(), (half * _WEIGHTS).ravel()
 
 
 class Response(Shown):
@@ -276,12 +286,30 @@ class Response(Shown):
         """
         return self._extremes
 
+    def _loads_and_accelerations(self, piece: Piece, times: Array) -> tuple[Array, Array]:
+        """Find loads of gears and accelerations at stations, a column per time."""
+        forces = self._motion.forces(piece.states, piece.stretch, times, piece.y(times))
+        return np.maximum(forces.load, 0.0), self._arms @ forces.body
+
     def _peaks(self, piece: Piece, times: Array) -> Array:
         """Quantities whose maxima are wanted: ± loads, ± accelerations at stations."""
-        forces = self._motion.forces(piece.states, piece.stretch, times, piece.y(times))
-        acceleration = self._arms @ forces.body
-        load = np.maximum(forces.load, 0.0)
+        load, acceleration = self._loads_and_accelerations(piece, times)
         return np.concatenate((load, -load, acceleration, -acceleration))
+
+    @cached_property
+    def _rms(self) -> Array:
+        begin, end = float(self.time[0]), float(self.time[-1])
+        if begin == end:
+            now = [*(self.load[0] - self.static_load), *(a[0] for a in self.acceleration.values())]
+            return read_only(np.abs(now))
+        total = np.zeros(len(self.aircraft.gears) + len(self.aircraft.stations))
+        for piece in self._pieces:
+            if piece.begin < end and piece.end > begin:
+                times, weights = piece.nodes(begin, end)
+                load, acceleration = self._loads_and_accelerations(piece, times)
+                dynamic = load - self.static_load[:, None]
+                total += np.concatenate((dynamic, acceleration)) ** 2 @ weights
+        return read_only(np.sqrt(total / (end - begin)))
 
     @cached_property
     def _extremes(self) -> Extremes:

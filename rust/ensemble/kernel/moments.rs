@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::super::setup::MODES;
 use super::super::squares::triangle_index;
 use super::super::vector::{Part, Vector, parts};
 use super::{March, Row};
+use crate::modes::MODES;
 
 impl March {
     /// Adds up the products of the rows of a block's periods, and leaves in `norms` the roots of the

@@ -6,12 +6,12 @@ use pulp::Simd;
 use super::super::Reader;
 use super::super::constants::States;
 use super::super::records::{Candidate, Records};
-use super::super::setup::MODES;
 use super::super::vector::{Mask, Part, Vector, parts};
 use super::look::ChunkBounds;
 use super::view::{LegStart, View, with_view};
 use super::{CHUNK, Ground, March, RUNS, Row};
 use crate::lanes::Lanes;
+use crate::modes::MODES;
 use crate::transition::{Drive, State};
 
 /// Chunks of one run kept before those that no longer matter are thrown out.

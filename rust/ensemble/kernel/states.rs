@@ -2,9 +2,9 @@
 
 use pulp::Simd;
 
-use super::super::setup::MODES;
 use super::super::vector::{Part, Vector, parts};
 use super::{Ground, March, Push};
+use crate::modes::MODES;
 
 impl March {
     /// Rises, states and, where they are needed, heights at the start of every leg; in the tail there

@@ -5,9 +5,9 @@ use std::ops::Range;
 use pulp::Simd;
 
 use super::super::constants::States;
-use super::super::setup::MODES;
 use super::super::vector::{Part, Vector};
 use super::{CHUNK, March, MoreRows};
+use crate::modes::MODES;
 
 /// Where a leg of a period begins: leg and period.
 pub(super) type LegStart = (usize, usize);

@@ -203,6 +203,13 @@ def test_the_worst_sections(case: Path, capsys: pytest.CaptureFixture[str]) -> N
     # A number alone is in the case's units.
     assert main(["run", str(case), "--sections", "300"]) == 0
     assert capsys.readouterr().out == printed
+    to = case.with_suffix(".json")
+    assert main(["run", str(case), "--sections", "300", "--json", str(to)]) == 0
+    written = json.loads(to.read_text())["runs"][0]["sections"]
+    assert [section["begin"] for section in written] == list(sections)
+    for section, found in zip(written, sections.values(), strict=True):
+        assert list(section["max_load"].values()) == pytest.approx(found.max_load.tolist())
+        assert section["max_acceleration"] == pytest.approx(found.max_acceleration)
 
 
 @pytest.mark.parametrize(

@@ -130,7 +130,7 @@ def _parser() -> argparse.ArgumentParser:
         "--sections",
         metavar="LENGTH",
         help="list the sections of this length with the largest loads; '100 m', or a number in the "
-        "case's units",
+        "case's units; --json writes all of them",
     )
     of_sweep = takes_case(add("sweep", _sweep, "roll over the tracks at many speeds", _SWEEP))
     of_sweep.add_argument("--csv", metavar="PATH", help="one row per speed; - for standard output")

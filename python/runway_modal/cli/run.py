@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from runway_modal import nonlinear
+    from runway_modal._results import Aircraft
     from runway_modal.extremes import Extremes
 
     #: One run by the text of its speed.
@@ -63,7 +64,7 @@ def run(
     output.write(
         table_writers(lambda: _tables(case, runs), case.units)
         | figure_writer(lambda: _figure(case, runs))
-        | {"json": lambda to: _write_json(case, runs, to)}
+        | {"json": lambda to: _write_json(case, runs, to, length)}
     )
 
 
@@ -134,7 +135,7 @@ def _worst_sections(case: Case, sections: Mapping[float, Extremes], length: floa
         yield "  " + "".join(map(str.rjust, [f"{begin:.2f}", *shares, *shaken], widths))
 
 
-def _write_json(case: Case, runs: Runs, to: str) -> None:
+def _write_json(case: Case, runs: Runs, to: str, length: float | None) -> None:
     document = {
         "title": case.title,
         "units": {"length": case.units.length, "force": case.units.force, "time": "s"},
@@ -146,31 +147,40 @@ def _write_json(case: Case, runs: Runs, to: str) -> None:
             "shapes": case.modes.shapes.tolist(),
             "static_correction": case.modes.static_correction,
         },
-        "runs": [_results(case, name, response) for name, response in runs.items()],
+        "runs": [_results(case, name, response, length) for name, response in runs.items()],
     }
     with opened(to) as file:
         json.dump(document, file, indent=1, allow_nan=False)
         file.write("\n")
 
 
-def _results(case: Case, name: str, response: Response | nonlinear.Response) -> dict[str, Any]:
-    extremes = response.extremes()
+def _results(
+    case: Case, name: str, response: Response | nonlinear.Response, length: float | None
+) -> dict[str, Any]:
     history = tables.columns(tables_response.quantities(response))
-
-    def by_gear(values: Any) -> dict[str, Any]:
-        return dict(zip(response.aircraft.gear_names, values.tolist(), strict=True))
-
-    return {
+    results: dict[str, Any] = {
         "speed": case.speeds[name],
         "stated_speed": name,
-        "static_load": by_gear(response.static_load),
-        **{key: by_gear(getattr(extremes, key)) for key in EXTREMES_OF_GEARS},
-        "unloaded": by_gear(response.unloaded),
-        "rms_load": by_gear(response.rms_load),
-        **{key: getattr(extremes, key) for key in EXTREMES_OF_STATIONS},
+        "static_load": _by_gear(response.aircraft, response.static_load),
+        **_extremes(response.extremes()),
+        "unloaded": _by_gear(response.aircraft, response.unloaded),
+        "rms_load": _by_gear(response.aircraft, response.rms_load),
         "rms_acceleration": response.rms_acceleration,
         "history": {name: values.tolist() for name, values in history.items()},
     }
+    if length is not None and isinstance(response, Response):
+        sections = response.sections(length).items()
+        results["sections"] = [{"begin": begin, **_extremes(found)} for begin, found in sections]
+    return results
+
+
+def _extremes(extremes: Extremes) -> dict[str, Any]:
+    gears = {key: _by_gear(extremes.aircraft, getattr(extremes, key)) for key in EXTREMES_OF_GEARS}
+    return gears | {key: getattr(extremes, key) for key in EXTREMES_OF_STATIONS}
+
+
+def _by_gear(aircraft: Aircraft, values: NDArray[Any]) -> dict[str, Any]:
+    return dict(zip(aircraft.gear_names, values.tolist(), strict=True))
 
 
 def _figure(case: Case, runs: Runs) -> Figure:

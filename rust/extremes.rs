@@ -32,7 +32,7 @@ use self::screen::Screen;
 use crate::error::{Error, Result};
 use crate::inside::Inside;
 use crate::lanes::LANES;
-use crate::march::{KnotBlock, Segment, Visitor, march};
+use crate::march::{Segment, Visitor, march};
 use crate::readout::{Form, Heights, Quantity};
 use crate::run::Run;
 use crate::transition::{Drive, State, Transition};
@@ -104,28 +104,6 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    #[inline(always)]
-    fn look(&mut self, segment: &Segment) {
-        // Of a vertical step only the two sides count, not what lies between.
-        if segment.end < self.begin || segment.start > self.end || segment.start == segment.end {
-            return;
-        }
-        self.last = *segment.state();
-        let inside = segment.start >= self.begin && segment.end <= self.end;
-        if inside && self.fastest * segment.dt() <= 1.0 {
-            let ends = (segment.state(), segment.end_state());
-            self.enter(segment, segment.start, ends.0);
-            self.piece(ends, &segment.drive(), (segment.start, segment.dt()));
-        } else {
-            self.visit_part(segment);
-        }
-        while segment.end >= self.end && self.turn_to_next() {
-            if segment.end > self.begin {
-                self.visit_part(segment);
-            }
-        }
-    }
-
     /// Ends a stretch, unless it is the last.
     #[cold]
     fn turn_to_next(&mut self) -> bool {
@@ -263,24 +241,30 @@ impl Search<'_> {
 }
 
 impl Visitor for Search<'_> {
+    #[inline(always)]
     fn visit(&mut self, segment: &Segment) {
-        self.look(segment);
-    }
-
-    fn visit_block(&mut self, block: &mut KnotBlock) {
-        block.march();
-        look_at_block(self, block);
+        // Of a vertical step only the two sides count, not what lies between.
+        if segment.end < self.begin || segment.start > self.end || segment.start == segment.end {
+            return;
+        }
+        self.last = *segment.state();
+        let inside = segment.start >= self.begin && segment.end <= self.end;
+        if inside && self.fastest * segment.dt() <= 1.0 {
+            let ends = (segment.state(), segment.end_state());
+            self.enter(segment, segment.start, ends.0);
+            self.piece(ends, &segment.drive(), (segment.start, segment.dt()));
+        } else {
+            self.visit_part(segment);
+        }
+        while segment.end >= self.end && self.turn_to_next() {
+            if segment.end > self.begin {
+                self.visit_part(segment);
+            }
+        }
     }
 
     fn go_on(&mut self, work: u32) -> bool {
         self.watch.go_on(work)
-    }
-}
-
-#[multiversion(targets("x86_64+avx2"))]
-fn look_at_block(search: &mut Search, block: &KnotBlock) {
-    for segment in block.segments() {
-        search.look(&segment);
     }
 }
 

@@ -262,16 +262,14 @@ impl<'a> Segment<'a> {
 }
 
 /// Sees every segment of a march.
-pub(crate) trait Visitor {
+pub(crate) trait Visitor: Sized {
     /// One segment. The last one has no end.
     fn visit(&mut self, segment: &Segment);
 
     /// The segments that end in a block, which is yet to be marched through.
     fn visit_block(&mut self, block: &mut KnotBlock) {
         block.march();
-        for segment in block.segments() {
-            self.visit(&segment);
-        }
+        visit_each(self, block);
     }
 
     /// Memory that will be written to: a row a knot, or more.
@@ -281,6 +279,14 @@ pub(crate) trait Visitor {
 
     /// Whether to go on after `work` more knots.
     fn go_on(&mut self, work: u32) -> bool;
+}
+
+/// Visits the segments of a block that has been marched through.
+#[multiversion(targets("x86_64+avx2"))]
+pub(crate) fn visit_each<V: Visitor>(visitor: &mut V, block: &KnotBlock) {
+    for segment in block.segments() {
+        visitor.visit(&segment);
+    }
 }
 
 /// Visits every segment that begins at or before `end` (and a few more), unless stopped.

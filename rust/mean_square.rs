@@ -9,12 +9,10 @@
 //!
 //! a level stretch of a thousand cycles costs thirteen doublings.
 
-use multiversion::multiversion;
-
 use crate::error::{Error, Result};
 use crate::inside::Inside;
 use crate::lanes::{LANES, Lanes};
-use crate::march::{KnotBlock, Segment, Visitor, march};
+use crate::march::{Segment, Visitor, march};
 use crate::modes::MODES;
 use crate::readout::{Form, Heights, Line, Quantity};
 use crate::run::Run;
@@ -158,8 +156,36 @@ struct Squares<'a> {
 }
 
 impl Squares<'_> {
+    /// Adds the squares at four times after a state, side by side.
     #[inline(always)]
-    fn look(&mut self, segment: &Segment) {
+    fn add(
+        &mut self,
+        from: &State,
+        drive: &Drive,
+        (tau, weight): (Lanes, Lanes),
+        over: impl Fn(&Oscillators, Lanes) -> Transition,
+    ) {
+        let mut at = [(Lanes::ZERO, Lanes::ZERO); MODES];
+        for (mode, (alone, at)) in self.alone.iter().zip(&mut at).enumerate() {
+            let all = |lanes: &Lanes| Lanes::all(lanes[mode]);
+            let from = State { d: all(&from.d), v: all(&from.v), p: Lanes::ZERO };
+            let drive = Drive { beta: all(&drive.beta), gamma: all(&drive.gamma) };
+            let to = over(alone, tau).apply(&from, &drive);
+            *at = (to.d, to.v);
+        }
+        for Output { form, line, sum } in &mut self.outputs {
+            let mut value = Lanes::all(line.start) + tau * line.rate;
+            for (mode, (d, v)) in at.into_iter().enumerate() {
+                value += d * form.d[mode] + v * form.v[mode];
+            }
+            *sum += weight.dot(value * value);
+        }
+    }
+}
+
+impl Visitor for Squares<'_> {
+    #[inline(always)]
+    fn visit(&mut self, segment: &Segment) {
         let (from, to) = (segment.start.max(self.begin), segment.end.min(self.end));
         let instant = self.begin == self.end;
         if from > to || from == segment.end || (from == to && !instant) {
@@ -193,52 +219,8 @@ impl Squares<'_> {
         }
     }
 
-    /// Adds the squares at four times after a state, side by side.
-    #[inline(always)]
-    fn add(
-        &mut self,
-        from: &State,
-        drive: &Drive,
-        (tau, weight): (Lanes, Lanes),
-        over: impl Fn(&Oscillators, Lanes) -> Transition,
-    ) {
-        let mut at = [(Lanes::ZERO, Lanes::ZERO); MODES];
-        for (mode, (alone, at)) in self.alone.iter().zip(&mut at).enumerate() {
-            let all = |lanes: &Lanes| Lanes::all(lanes[mode]);
-            let from = State { d: all(&from.d), v: all(&from.v), p: Lanes::ZERO };
-            let drive = Drive { beta: all(&drive.beta), gamma: all(&drive.gamma) };
-            let to = over(alone, tau).apply(&from, &drive);
-            *at = (to.d, to.v);
-        }
-        for Output { form, line, sum } in &mut self.outputs {
-            let mut value = Lanes::all(line.start) + tau * line.rate;
-            for (mode, (d, v)) in at.into_iter().enumerate() {
-                value += d * form.d[mode] + v * form.v[mode];
-            }
-            *sum += weight.dot(value * value);
-        }
-    }
-}
-
-impl Visitor for Squares<'_> {
-    fn visit(&mut self, segment: &Segment) {
-        self.look(segment);
-    }
-
-    fn visit_block(&mut self, block: &mut KnotBlock) {
-        block.march();
-        look_at_block(self, block);
-    }
-
     fn go_on(&mut self, work: u32) -> bool {
         self.watch.go_on(work)
-    }
-}
-
-#[multiversion(targets("x86_64+avx2"))]
-fn look_at_block(squares: &mut Squares, block: &KnotBlock) {
-    for segment in block.segments() {
-        squares.look(&segment);
     }
 }
 

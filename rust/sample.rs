@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use crate::error::{Error, Result};
 use crate::inside::{AT_ONCE, Inside};
 use crate::lanes::{LANES, Lanes};
-use crate::march::{KnotBlock, Segment, Visitor, march};
+use crate::march::{KnotBlock, Segment, Visitor, march, visit_each};
 use crate::pages::Pages;
 use crate::path::Trail;
 use crate::readout::{Form, Heights, Quantity};
@@ -171,9 +171,7 @@ impl Visitor for OnGrid<'_, '_> {
         let jumps = self.jumps || block.has_steps();
         if jumps || !self.row_a_knot(block.times()) {
             block.march();
-            for segment in block.segments() {
-                self.visit(&segment);
-            }
+            visit_each(self, block);
             return;
         }
         // The first segment's row, and those of all knots but the last, which is the next block's

@@ -162,8 +162,10 @@ def test_nonlinear_run(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
     paths = {kind: str(case.with_name(f"a.{kind}")) for kind in ("csv", "parquet")}
     figure = str(case.with_name("a.svg"))
     options = (a for kind, path in paths.items() for a in (f"--{kind}", path))
-    assert main(["run", str(case), *options, "--figure", figure]) == 0
+    assert main(["run", str(case), *options, "--figure", figure, "--sections", "50 ft"]) == 0
     printed = capsys.readouterr().out
+    # The largest of all, 40.4 kip again, leads the list.
+    assert re.search(r"Worst 6 of 6 sections.*\n.*\n +1200\.00 +\d\.\d+ +1\.71", printed)
     # What `nonlinear.simulate` says of the main gears: 40.4 kip.
     assert re.search(r"left +23627\.1 +40[34]\d\d\.\d", printed)
     assert "Inferred, not published: aircraft: gas law and dampers" in printed

@@ -615,3 +615,18 @@ def test_a_gear_that_carries_rounding_alone_is_refused() -> None:
     ]
     with pytest.raises(rm.InputError, match=r"gears\[0\]: 'a' carries .* at rest"):
         nonlinear.Aircraft(mass=145.5, pitch_inertia=6.7e5, roll_inertia=3e5, gears=gears)
+
+
+def test_sections_are_extremes_between_their_ends() -> None:
+    response = nonlinear.simulate(nonlinear.f4e(), rm.Profile.full_mat(), rm.knots(20))
+    sections = response.sections(500.0)
+    begins = list(sections)
+    assert begins == [500.0 * i for i in range(7)]
+    ends = [*begins[1:], response.distance[-1]]
+    for begin, end in zip(begins, ends, strict=True):
+        alone = response.at([begin / response.speed, end / response.speed]).extremes()
+        np.testing.assert_allclose(sections[begin].max_load, alone.max_load, rtol=1e-12)
+        np.testing.assert_allclose(sections[begin].min_load, alone.min_load, rtol=1e-12)
+    whole = response.extremes()
+    highest = np.max([section.max_load for section in sections.values()], axis=0)
+    np.testing.assert_allclose(highest, whole.max_load, rtol=1e-12)

@@ -1,22 +1,30 @@
-"""What the responses of linear and nonlinear aircraft share: means, figures and tables."""
+"""What the responses of linear and nonlinear aircraft share: sections, means, figures, tables."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal, Protocol, TypeAlias
 
+import numpy as np
+
+from ._core import InputError
+from ._input import positive
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    import numpy as np
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from .extremes import Extremes
     from .units import Units
 
     Array: TypeAlias = NDArray[np.float64]
 
+
+#: More sections than this in one response are a slip in the units.
+_MOST_SECTIONS = 1_000_000
 
 #: What a response may be drawn against.
 Against: TypeAlias = Literal["time", "distance"]
@@ -45,12 +53,15 @@ class Aircraft(Protocol):
 
 
 class Results(Protocol):
-    """What figures and tables need of a response; `runway_modal.Response` documents each name."""
+    """What these need of a response; `runway_modal.Response` documents each name."""
 
     _of_gears: ClassVar[tuple[str, ...]]
 
+    def _between(self, times: Array) -> list[Extremes]: ...
     @property
     def _rms(self) -> Array: ...
+    @property
+    def speed(self) -> float: ...
     @property
     def aircraft(self) -> Aircraft: ...
     @property
@@ -70,7 +81,7 @@ class Results(Protocol):
 
 
 class Shown:
-    """Root mean squares, figures and tables of a response."""
+    """Sections, root mean squares, figures and tables of a response."""
 
     __slots__ = ()
 
@@ -92,6 +103,56 @@ class Shown:
         """Root mean square of vertical acceleration by station, over that time [length/time²]."""
         values = self._rms[len(self.aircraft.gears) :].tolist()
         return dict(zip(self.aircraft.stations, values, strict=True))
+
+    def sections(self: Results, length: float) -> dict[float, Extremes]:
+        """
+        Find the true extremes section by section, to tell which places are the worst.
+
+        A section ends where the foremost gear has come to a multiple of `length`. What a place
+        does to gears further back, or later on, counts in the section in which it happens; each
+        extreme has its own time and position.
+
+        Parameters
+        ----------
+        length : float
+            Length of a section, > 0 [length].
+
+        Returns
+        -------
+        dict of float to Extremes
+            By the distance at which a section begins, in order; together all of the response.
+
+        Raises
+        ------
+        InputError
+            If `length` is not a finite number > 0, or there would be more than a million sections.
+        NumericalError
+            If a result leaves the range of double precision.
+
+        Examples
+        --------
+        The sections of 20 ft in which the left gear's load is largest:
+
+        >>> import runway_modal as rm
+        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+        >>> sections = response.sections(240.0)
+        >>> sorted(sections, key=lambda begin: -sections[begin].max_load[1])[:3]
+        [1200.0, 1440.0, 1680.0]
+        >>> left = max(section.max_load[1] for section in sections.values())
+        >>> bool(abs(left / response.extremes().max_load[1] - 1.0) < 1e-12)
+        True
+        """
+        length = positive("length", length)
+        begin, end = float(self.distance[0]), float(self.distance[-1])
+        count = (end - begin) / length
+        if count > _MOST_SECTIONS:
+            raise InputError(f"length = {length!r} makes {count:.3g} sections of this response")
+        edges = length * np.arange(np.floor(begin / length) + 1.0, np.ceil(end / length))
+        edges = edges[(edges > begin) & (edges < end)]
+        # Rounding must not take them outside.
+        within = np.clip(edges / self.speed, self.time[0], self.time[-1])
+        found = self._between(np.concatenate((self.time[:1], within, self.time[-1:])))
+        return dict(zip([begin, *edges.tolist()], found, strict=True))
 
     def plot(
         self: Results,

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._core import InputError
-from ._input import any_array, array, positive, read_only
+from ._input import any_array, array, read_only
 from ._results import Shown
 from .extremes import Extremes
 
@@ -20,9 +19,6 @@ if TYPE_CHECKING:
     from . import _core
     from .aircraft import Aircraft
     from .modes import Modes
-
-#: More than this in one response are a slip in the units.
-_MOST_SECTIONS = 1_000_000
 
 
 class Response(Shown):
@@ -216,56 +212,6 @@ class Response(Shown):
         True
         """
         return self._extremes
-
-    def sections(self, length: float) -> dict[float, Extremes]:
-        """
-        Find the true extremes section by section, to tell which places are the worst.
-
-        A section ends where the foremost gear has come to a multiple of `length`. What a place
-        does to gears further back, or later on, counts in the section in which it happens; each
-        extreme has its own time and position.
-
-        Parameters
-        ----------
-        length : float
-            Length of a section, > 0 [length].
-
-        Returns
-        -------
-        dict of float to Extremes
-            By the distance at which a section begins, in order; together all of the response.
-
-        Raises
-        ------
-        InputError
-            If `length` is not a finite number > 0, or there would be more than a million sections.
-        NumericalError
-            If a result leaves the range of double precision.
-
-        Examples
-        --------
-        The sections of 20 ft in which the left gear's load is largest:
-
-        >>> import runway_modal as rm
-        >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
-        >>> sections = response.sections(240.0)
-        >>> sorted(sections, key=lambda begin: -sections[begin].max_load[1])[:3]
-        [1200.0, 1440.0, 1680.0]
-        >>> left = max(section.max_load[1] for section in sections.values())
-        >>> bool(abs(left / response.extremes().max_load[1] - 1.0) < 1e-12)
-        True
-        """
-        length = positive("length", length)
-        begin, end = float(self.distance[0]), float(self.distance[-1])
-        count = (end - begin) / length
-        if count > _MOST_SECTIONS:
-            raise InputError(f"length = {length!r} makes {count:.3g} sections of this response")
-        edges = length * np.arange(np.floor(begin / length) + 1.0, np.ceil(end / length))
-        edges = edges[(edges > begin) & (edges < end)]
-        # Rounding must not take them outside.
-        within = np.clip(edges / self.speed, self.time[0], self.time[-1])
-        found = self._between(np.concatenate((self.time[:1], within, self.time[-1:])))
-        return dict(zip([begin, *edges.tolist()], found, strict=True))
 
     @cached_property
     def _extremes(self) -> Extremes:

@@ -10,7 +10,6 @@ from runway_modal._files import is_number
 from runway_modal._input import integer, positive
 from runway_modal._quantities import EXTREMES_OF_GEARS, EXTREMES_OF_STATIONS
 from runway_modal.case import Case, read_case
-from runway_modal.response import Response
 from runway_modal.units import LENGTH
 
 from .notes import ignored, notes
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from runway_modal import nonlinear
     from runway_modal._results import Aircraft
     from runway_modal.extremes import Extremes
+    from runway_modal.response import Response
 
     #: One run by the text of its speed.
     Runs: TypeAlias = Mapping[str, Response | nonlinear.Response]
@@ -52,7 +52,6 @@ def run(
     case = read_case(path)
     length = None
     if sections is not None:
-        case.need_linear("--sections")
         given = float(sections) if is_number(sections) else sections
         length = positive("--sections", case.units.quantity("--sections", given, LENGTH))
     if runway is not None:
@@ -80,7 +79,7 @@ def _summary(case: Case, runs: Runs, *, random: bool, length: float | None) -> I
     for name, response in runs.items():
         yield ""
         yield from _of_speed(case, name, response)
-        if length is not None and isinstance(response, Response):
+        if length is not None:
             yield from _worst_sections(case, response.sections(length), length)
 
 
@@ -168,7 +167,7 @@ def _results(
         "rms_acceleration": response.rms_acceleration,
         "history": {name: values.tolist() for name, values in history.items()},
     }
-    if length is not None and isinstance(response, Response):
+    if length is not None:
         sections = response.sections(length).items()
         results["sections"] = [{"begin": begin, **_extremes(found)} for begin, found in sections]
     return results

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -313,7 +314,13 @@ class Response(Shown):
 
     @cached_property
     def _extremes(self) -> Extremes:
-        begin, end = float(self.time[0]), float(self.time[-1])
+        return self._span(float(self.time[0]), float(self.time[-1]))
+
+    def _between(self, times: Array) -> list[Extremes]:
+        """Find the extremes between each time and the next."""
+        return [self._span(begin, end) for begin, end in pairwise(times.tolist())]
+
+    def _span(self, begin: float, end: float) -> Extremes:
         seen = []
         for piece in self._pieces:
             if piece.begin <= end and piece.end >= begin:

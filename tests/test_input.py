@@ -1,6 +1,7 @@
 """Bad and extreme input: it works, or `InputError` names argument, index and value."""
 
 import os
+import pickle
 import re
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 
 import runway_modal as rm
+from runway_modal import nonlinear
 
 SHAPES = np.array([[0.025931, -0.078743, 0.0], [0.000685, 0.000226, 0.0], [0.0, 0.0, 0.001235]])
 MODES = rm.f4e().modes(0.01)
@@ -360,6 +362,17 @@ def test_modes_cannot_be_changed() -> None:
     with pytest.raises(AttributeError, match="cannot be changed"):
         modes.omega = np.ones(3)
     assert modes == rm.f4e().modes(0.01)
+
+
+@pytest.mark.parametrize("simulate", [rm.simulate, nonlinear.simulate])
+def test_responses_cannot_be_changed(simulate) -> None:
+    aircraft = nonlinear.f4e() if simulate is nonlinear.simulate else rm.f4e().modes(0.01)
+    response = simulate(aircraft, rm.Profile.full_mat(), rm.knots(20))
+    again = pickle.loads(pickle.dumps(response))
+    for name in ("time", "load", "aircraft", "note"):
+        with pytest.raises(AttributeError, match=f"cannot be changed: {name} = 1"):
+            setattr(response, name, 1)
+    np.testing.assert_array_equal(again.load, response.load)
 
 
 def test_integers() -> None:

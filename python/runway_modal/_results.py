@@ -88,6 +88,10 @@ class Shown:
     #: Quantities with one column per gear.
     _of_gears: ClassVar[tuple[str, ...]] = ("load", "elevation")
 
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse: what follows from the old value would stay."""
+        raise AttributeError(f"a Response cannot be changed: {name} = {value!r}")
+
     @property
     def rms_load(self: Results) -> Array:
         """

@@ -50,6 +50,9 @@ class Response(Shown):
     True
     """
 
+    _run: _core.Run
+    _again: Callable[..., Response]
+    _rebuild: partial[Response]
     #: The modes of the run.
     modes: Modes
     #: Sample times, shape (n,) [time].
@@ -68,17 +71,15 @@ class Response(Shown):
         times: ArrayLike | None = None,
         duration: float | None = None,
     ) -> None:
-        self._run = run
-        self._again = again
-        self.modes = modes
         if times is None:
-            self.time, self.modal, self.modal_rate = run.sample(duration)
-            self._rebuild = partial(again, duration=duration)
+            time, modal, modal_rate = run.sample(duration)
+            rebuild = partial(again, duration=duration)
         else:
             time = array("times", np.atleast_1d(any_array("times", times))).copy()
-            self.modal, self.modal_rate = run.states(time)
-            self.time = read_only(time)
-            self._rebuild = partial(again, times=self.time)
+            modal, modal_rate = run.states(time)
+            rebuild = partial(again, times=read_only(time))
+        made_of = {"_run": run, "_again": again, "_rebuild": rebuild, "modes": modes}
+        vars(self).update(made_of, time=time, modal=modal, modal_rate=modal_rate)
 
     @property
     def aircraft(self) -> Aircraft:

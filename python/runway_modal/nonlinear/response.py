@@ -110,6 +110,9 @@ class Response(Shown):
 
     _of_gears = (*Shown._of_gears, "stiffness")
 
+    _motion: Motion
+    _pieces: Sequence[Piece]
+    _begins: Array
     #: The aircraft of the run.
     aircraft: Aircraft
     #: Ground speed [length/time].
@@ -125,10 +128,6 @@ class Response(Shown):
         speed: float,
         times: ArrayLike,
     ) -> None:
-        self.aircraft = aircraft
-        self._motion = motion
-        self._pieces = pieces
-        self.speed = speed
         time = array("times", np.atleast_1d(any_array("times", times))).copy()
         if not time.size:
             raise InputError("times has 0 entries, at least 1 needed")
@@ -139,8 +138,9 @@ class Response(Shown):
             raise InputError(
                 f"times[{i + 1}] = {float(time[i + 1])!r} is less than {float(time[i])!r} before it"
             )
-        self.time = read_only(time)
-        self._begins = np.array([piece.begin for piece in pieces])
+        begins = np.array([piece.begin for piece in pieces])
+        made_of = {"_motion": motion, "_pieces": pieces, "_begins": begins, "aircraft": aircraft}
+        vars(self).update(made_of, speed=speed, time=read_only(time))
 
     @cached_property
     def _rows(self) -> dict[str, Array]:

@@ -9,7 +9,17 @@ DEV := $(VENV)/.dev
 # maturin puts the extension beside the Python sources: it is its own time stamp.
 CORE := python/runway_modal/_core.abi3.so
 BENCHES := long_profile one_mat direct_integration sweep ensemble monte_carlo memory
-SOURCES := Cargo.toml Cargo.lock pyproject.toml $(wildcard rust/*.rs rust/*/*.rs)
+SOURCES := Cargo.toml Cargo.lock pyproject.toml $(shell find rust -name '*.rs')
+
+# Writes what users need as constraints: "numpy>=1.26" as "numpy==1.26.*".
+define LEAST
+import tomllib
+project = tomllib.load(open("pyproject.toml", "rb"))["project"]
+extras = [project["optional-dependencies"][name] for name in ("plot", "taxi", "tables", "cli", "dask")]
+for need in sum(extras, project["dependencies"]):
+    print(need.replace(">=", "==") + ".*")
+endef
+export LEAST
 
 # maturin and pyo3 must see this environment and no other.
 export VIRTUAL_ENV := $(CURDIR)/$(VENV)
@@ -29,7 +39,7 @@ MAKEFLAGS += --no-builtin-rules
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
 .PHONY: help demo test fmt lint lint-rust lint-python test-rust test-python bench bench-smoke \
-	same-bits accuracy slow clean toolchain linters
+	same-bits accuracy slow oldest clean toolchain linters
 
 help: ## this list
 	@awk -F '## ' '/^[a-z-]+:.*## / { split($$1, target, ":"); printf "  make %-13s %s\n", target[1], $$2 }' Makefile
@@ -97,8 +107,17 @@ accuracy: $(DEV) ## table of errors against 40-digit arithmetic
 slow: $(DEV) ## the tests that take minutes
 	$(BIN)/pytest -m slow
 
+# Old packages warn of their own dependencies.
+oldest: $(DEV) ## the tests with the oldest packages that pyproject.toml allows; minutes
+	$(PYTHON) -m venv --clear $(VENV)-oldest
+	$(PY) -c "$$LEAST" > $(VENV)-oldest/constraints.txt
+	rm -rf target/wheels
+	$(BIN)/maturin build --release --locked --quiet --out target/wheels
+	$(VENV)-oldest/bin/pip install -c $(VENV)-oldest/constraints.txt "$$(echo target/wheels/*.whl)[dev]"
+	$(VENV)-oldest/bin/python -m pytest -o $$'filterwarnings=default\nerror:::runway_modal'
+
 clean: ## remove all that was made
-	rm -rf .venv target .pytest_cache .mypy_cache .ruff_cache .hypothesis $(CORE) full_mat.png
+	rm -rf .venv $(VENV)-oldest target .pytest_cache .mypy_cache .ruff_cache .hypothesis $(CORE) full_mat.png
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 toolchain:

@@ -130,11 +130,12 @@ impl Aircraft {
     }
 }
 
-/// One number for all modes, or one per mode.
+/// One per mode, or one number for all. Arrays are tried first: some NumPys take one of a single entry for
+/// a number.
 #[derive(FromPyObject)]
 enum DampingRatio<'py> {
-    All(f64),
     Each(PyReadonlyArray1<'py, f64>),
+    All(f64),
 }
 
 #[pyclass(frozen, module = "runway_modal._core")]

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from scipy.integrate import quad
+from scipy.integrate import quad, trapezoid
 
 import runway_modal as rm
 
@@ -274,7 +274,7 @@ def test_footprint_against_quadrature(
 
 
 def area(profile: rm.Profile) -> float:
-    return float(np.trapezoid(profile.z, profile.x))
+    return float(trapezoid(profile.z, profile.x))
 
 
 def test_footprint_keeps_the_mean() -> None:

@@ -65,12 +65,12 @@ def equilibrium(
         excess = turn @ np.array(loads) - [weight, 0.0, 0.0]
         return np.array(loads), np.array(slopes), excess
 
-    q: Array = np.asarray(np.linalg.lstsq(geometry, height)[0], dtype=np.float64)
+    q: Array = np.asarray(np.linalg.lstsq(geometry, height, rcond=None)[0], dtype=np.float64)
     load, slope, excess = state(q)
     for _ in range(_ROUNDS):
         if (abs(excess) <= _BALANCED * sizes).all():
             return datum + q, load
-        way = np.linalg.lstsq(turn * slope @ geometry, excess)[0]
+        way = np.linalg.lstsq(turn * slope @ geometry, excess, rcond=None)[0]
         for halving in range(_HALVINGS):
             further = q + 0.5**halving * way
             load, slope, there = state(further)

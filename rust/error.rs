@@ -137,8 +137,8 @@ pub enum Error {
     Overflow { quantity: &'static str, time: f64 },
     /// A search that would take more runs than allowed.
     #[error(
-        "tolerance = {tolerance:?} takes more runs than max_runs = {max_runs} allows: after {runs} the worst \
-         value lies between {value:?}, found at speed {speed:?}, and {bound:?}"
+        "tolerance = {tolerance:?} takes more runs than max_runs = {max_runs} allows: after {runs} runs \
+         the worst value found is {value:?}, at speed {speed:?}, and none is beyond {bound:?}"
     )]
     Unresolved { tolerance: f64, max_runs: usize, runs: usize, value: f64, speed: f64, bound: f64 },
     /// A count below what makes sense.

@@ -34,7 +34,7 @@ impl Profile {
     /// # Errors
     /// No points, lengths that differ, values not finite, stations that decrease, a slope or
     /// a step too large for double precision.
-    pub fn new(x: Vec<f64>, z: Vec<f64>) -> Result<Self> {
+    pub fn new(mut x: Vec<f64>, mut z: Vec<f64>) -> Result<Self> {
         if x.is_empty() {
             return Err(Error::TooShort { argument: "x", found: 0, least: 1 });
         }
@@ -53,6 +53,8 @@ impl Profile {
                 return Err(Error::OutOfRange { place, value, why: "elevations up to 1e100 are allowed" });
             }
         }
+        // −0 becomes 0: profiles with the same breakpoints have the same bits.
+        x.iter_mut().chain(&mut z).for_each(|value| *value += 0.0);
         let mut slopes = vec![0.0; x.len() + 1];
         let (mut finest, mut coarsest, mut exact) = (f64::INFINITY, 0.0_f64, true);
         for i in 1..x.len() {

@@ -260,7 +260,18 @@ def test_more_runs_are_added_and_another_case_is_refused(
     assert "70 runs, 0 to 69" in capsys.readouterr().out
     case.write_text(CASE.replace("seed = 1980", "seed = 1981"), "utf-8")
     assert main(["mc", str(case), "--out", str(out)]) == 2
-    assert "seed = 1980 there, 1981 here" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "seed = 1980 there, 1981 here" in said
+    # Nor does the name of a directory pass for a key.
+    (out / "60 kt").rename(out.with_name("seed"))
+    line = 1 + CASE.splitlines().index("[monte_carlo]")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(case.parent)
+        out.rmdir()
+        case.with_name("runs").mkdir()
+        out.with_name("seed").rename(case.parent / "runs" / "60 kt")
+        assert main(["mc", case.name, "--out", "runs"]) == 2
+    assert f"{case.name}:{line}: monte_carlo: runs/60 kt/_setup.json" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")

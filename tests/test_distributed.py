@@ -52,6 +52,13 @@ def test_a_killed_worker_changes_no_bit():
         np.testing.assert_array_equal(getattr(shared, key), getattr(alone, key))
 
 
+def test_clients_are_clients():
+    with pytest.raises(rm.InputError, match=r"client = None is not a distributed\.Client"):
+        distributed.monte_carlo(
+            None, rm.f4e().modes(0.01), rm.Roughness.iso8608("B", unit="in"), **RUNWAY
+        )
+
+
 def test_masked_runs_come_home_with_their_reasons():
     """Squares of these forces are at the end of double precision."""
     huge = {

@@ -431,3 +431,17 @@ def test_a_level_runway_has_no_rms():
     for heights in np.random.default_rng(3).normal(scale=3.0, size=(20, 3)):
         found = rm.simulate_many(own, heights[None, :, None], 10.0, 500.0)
         assert (found.rms_load <= abs(found.max_load - found.static_load)).all()
+
+
+def test_what_the_caller_changes_later_changes_nothing() -> None:
+    speed = np.full(3, rm.knots(60))
+    surface = rm.Roughness.iso8608("B", unit="in")
+    modes, elevations = rm.f4e().modes(0.01), np.random.default_rng(1).normal(size=(3, 1, 50))
+    runway = {"length": 2400.0, "spacing": 12.0, "seed": 1, "runs": 3}
+    found = [
+        rm.simulate_many(modes, elevations, 12.0, speed),
+        rm.monte_carlo(modes, surface, speed=speed, **runway),
+    ]
+    speed[:] = 1.0
+    for ensemble in found:
+        assert (ensemble.speed == rm.knots(60)).all()

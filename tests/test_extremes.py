@@ -302,6 +302,7 @@ def test_level_runway(height: float) -> None:
     np.testing.assert_array_equal(extremes.min_load, response.static_load)
     assert extremes.max_acceleration == {"cg": 0.0, "pilot": 0.0}
     assert not response.unloaded.any()
+    assert not response.extremes().unloaded.any()
 
 
 def test_acceleration_is_the_larger_of_up_and_down() -> None:

@@ -372,7 +372,14 @@ def test_responses_cannot_be_changed(simulate) -> None:
     for name in ("time", "load", "aircraft", "note"):
         with pytest.raises(AttributeError, match=f"cannot be changed: {name} = 1"):
             setattr(response, name, 1)
+    for name in ("time", "_run", "_pieces"):
+        with pytest.raises(AttributeError, match=f"cannot be changed: del {name}"):
+            delattr(response, name)
     np.testing.assert_array_equal(again.load, response.load)
+    for name in ("time", "load", "cg", "rms_load", "distance"):
+        assert not getattr(again, name).flags.writeable
+    with pytest.raises(AttributeError, match="cannot be changed: del omega"):
+        del MODES.omega
 
 
 def test_integers() -> None:

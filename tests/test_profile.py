@@ -445,6 +445,10 @@ def test_equality_hash_and_pickle() -> None:
     assert a != rm.Profile([0, 2], [0, 2])
     assert a != "profile"
     assert len({a, b}) == 1
+    # As -0 is 0.
+    level = rm.Profile([-0.0, 1.0], [0.0, -0.0])
+    assert level == rm.Profile([0, 1], [0, 0])
+    assert hash(level) == hash(rm.Profile([0, 1], [0, 0]))
     assert pickle.loads(pickle.dumps(a)) == a
 
 

@@ -165,6 +165,9 @@ def test_masked_runs_keep_their_reasons(tmp_path):
     assert_same_bits(found, whole)
     assert 0 < len(found.failures) < 20
     assert found.failures == whole.failures
+    # Nor do masked runs pass for computed ones.
+    with pytest.raises(rm.NumericalError, match="run"):
+        stored.monte_carlo(tmp_path, **huge, chunk=8)
 
 
 def test_bad_on_error_leaves_no_files(tmp_path, modes, surface):
@@ -193,8 +196,9 @@ def test_a_file_that_is_missing_among_others_is_named(tmp_path, modes, surface, 
     whole = stored.read(tmp_path)
     files = sorted(tmp_path.glob("runs-*.parquet"))
     files[lost].unlink()
-    with pytest.raises(rm.InputError, match=f"run {run} is missing, later ones are there"):
-        stored.read(tmp_path)
+    for runs in (None, run + 1):
+        with pytest.raises(rm.InputError, match=f"run {run} is missing, later ones are there"):
+            stored.read(tmp_path, runs=runs)
     stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=20)
     assert_same_bits(stored.read(tmp_path), whole)
     # One that is missing at the end was perhaps never computed.
@@ -208,9 +212,30 @@ def test_directories_inside_are_named(tmp_path, modes, surface):
         stored.read(tmp_path)
 
 
-def test_missing_arguments_are_named_as_by_any_function(tmp_path, modes, surface):
+def test_arguments_are_named_as_by_any_function(tmp_path, modes, surface):
     with pytest.raises(TypeError, match="missing keyword argument: 'runs'"):
         stored.monte_carlo(tmp_path / "new", modes, surface, **RUNWAY)
+    with pytest.raises(TypeError, match="unexpected keyword argument: 'track'"):
+        stored.monte_carlo(tmp_path / "new", modes, surface, **RUNWAY, runs=3, track="one")
+    assert not (tmp_path / "new").exists()
+
+
+def test_half_written_files_are_not_left(tmp_path, modes, surface, monkeypatch):
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=8)
+    killed = tmp_path / "runs-000000000008.12345.tmp"
+    killed.write_bytes(b"half")
+
+    def stop(_: int) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("os.fsync", stop)
+        with pytest.raises(KeyboardInterrupt):
+            stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=16)
+    assert not list(tmp_path.glob("*.tmp"))
+    assert len(stored.read(tmp_path)) == 8
+    stored.monte_carlo(tmp_path, modes, surface, chunk=8, **RUNWAY, runs=16)
+    assert_same_bits(stored.read(tmp_path), rm.monte_carlo(modes, surface, **RUNWAY, runs=16))
 
 
 @pytest.mark.parametrize("share", np.linspace(0.01, 0.99, 24))

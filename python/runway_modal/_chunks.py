@@ -66,6 +66,8 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> I
     for key in ("length", "spacing", "speed", "runs", "seed"):
         if key not in options:
             raise TypeError(f"monte_carlo() missing keyword argument: {key!r}")
+    for key in options.keys() - Options.__annotations__:
+        raise TypeError(f"monte_carlo() got an unexpected keyword argument: {key!r}")
     lateral_positions(modes, options.get("tracks", "one"))
     masks(options.get("on_error", "raise"))
     runs, first_run = run_numbers(options["runs"], options.get("first_run", 0))

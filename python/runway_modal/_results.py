@@ -92,19 +92,33 @@ class Shown:
         """Refuse: what follows from the old value would stay."""
         raise AttributeError(f"a Response cannot be changed: {name} = {value!r}")
 
+    def __delattr__(self, name: str) -> None:
+        """Refuse."""
+        raise AttributeError(f"a Response cannot be changed: del {name}")
+
+    @property
+    def gear_names(self: Results) -> tuple[str, ...]:
+        """Names of the gears, in the order of the columns."""
+        return self.aircraft.gear_names
+
     @property
     def rms_load(self: Results) -> Array:
         """
         Root mean square of each gear's dynamic load, shape (g,) [force].
 
-        Of load - static load, over the time from the first to the last sample and between samples
-        too. Another span's is ``response.at([begin, end]).rms_load``; an instant's a magnitude.
+        Of load - static load, over the whole time from the first sample to the last and between
+        them too. ``response.at([begin, end]).rms_load`` is that of another span; of a single time,
+        it is the magnitude.
         """
         return self._rms[: len(self.aircraft.gears)]
 
     @property
     def rms_acceleration(self: Results) -> dict[str, float]:
-        """Root mean square of vertical acceleration by station, over that time [length/time²]."""
+        """
+        Root mean square of vertical acceleration at each station [length/time²].
+
+        Over the whole time from the first sample to the last, as for `rms_load`.
+        """
         values = self._rms[len(self.aircraft.gears) :].tolist()
         return dict(zip(self.aircraft.stations, values, strict=True))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ._chunks import CHUNK, Chunk, chunks, joined
+from ._core import InputError
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -73,6 +74,10 @@ def monte_carlo(
     >>> bool((shared.max_load == alone.max_load).all())
     True
     """
+    from distributed import Client
+
+    if not isinstance(client, Client):
+        raise InputError(f"client = {client!r} is not a distributed.Client")
     parts = chunks(modes, roughness, options, chunk)
     # Not pure: results that another call left in the cluster are not reused.
     futures = client.map(Chunk.compute, list(parts), pure=False)

@@ -778,7 +778,8 @@ def assembled(
         gear_names=aircraft.gear_names,
         setup=setup,
         run=read_only(np.arange(first_run, first_run + runs, dtype=np.int64)),
-        speed=np.broadcast_to(speeds, runs),
+        # A copy: they may be the caller's own.
+        speed=np.broadcast_to(speeds.copy(), runs),
         static_load=np.broadcast_to(static, max_load.shape),
         max_load=max_load,
         min_load=min_load,

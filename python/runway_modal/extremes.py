@@ -110,6 +110,15 @@ class Extremes(Pickled):
         return self.aircraft.static_load
 
     @property
+    def unloaded(self) -> NDArray[np.bool_]:
+        """
+        Whether each gear's load reaches zero, shape (g,).
+
+        Beyond that the linear model, in which a gear may pull on the runway, does not hold.
+        """
+        return read_only(self.min_load <= 0.0)
+
+    @property
     def position_of_max(self) -> NDArray[np.float64]:
         """Station of the runway under each gear at its largest load, shape (g,) [length]."""
         return positions(self.aircraft, self.speed, self.time_of_max)

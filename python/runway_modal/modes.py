@@ -144,7 +144,8 @@ class Modes:
                 "roll of each mode"
             )
         if not isinstance(getattr(aircraft, "_core", None), _core.Aircraft):
-            raise InputError(f"aircraft = {aircraft!r} is not an Aircraft")
+            hint = "; linearised() gives one" if hasattr(aircraft, "linearised") else ""
+            raise InputError(f"aircraft = {reprlib.repr(aircraft)} is not a linear Aircraft{hint}")
         correction = flag("static_correction", static_correction)
         core = _core.Modes.measured(aircraft._core, omega, ratio, shapes, correction)
         self._fill(aircraft, core, static_correction=correction)
@@ -203,8 +204,12 @@ class Modes:
         return read_only(self._core.damping_coupling())
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Refuse: what is marched over would still be the old values."""
+        """Refuse: the core would still use the old values."""
         raise AttributeError(f"Modes cannot be changed: {name} = {value!r}; make new ones")
+
+    def __delattr__(self, name: str) -> None:
+        """Refuse."""
+        raise AttributeError(f"Modes cannot be changed: del {name}")
 
     def __eq__(self, other: object) -> bool:
         """Whether both hold the same numbers, of equal aircraft."""

@@ -156,7 +156,7 @@ class Response(Shown):
 
         Beyond that the linear model, in which a gear may pull on the runway, does not hold.
         """
-        return read_only(self.extremes().min_load <= 0.0)
+        return self.extremes().unloaded
 
     @cached_property
     def _rms(self) -> NDArray[np.float64]:

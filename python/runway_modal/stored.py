@@ -15,7 +15,7 @@ from ._core import InputError, __version__
 from ._extras import need
 from ._input import integer, read_only
 from ._quantities import DIMENSIONS
-from .ensemble import Ensemble
+from .ensemble import Ensemble, masks
 from .roughness import setup
 from .units import FORCE
 
@@ -165,15 +165,19 @@ def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensem
         hint = f"; directories in it do: {inside}" if inside else ""
         raise InputError(f"directory = {os.fspath(directory)!r} holds no runs{hint}")
     about = _about(folder / _SETUP)
-    last = None if runs is None else about["first_run"] + integer("runs", runs, 1) - 1
-    parts = (_read(file, about["setup"], last) for file in files)
-    found = joined(part for part in parts if len(part))
-    there = about["first_run"] + np.arange(len(found))
-    for run in there[found.run != there][:1]:
+    first = about["first_run"]
+    last = None if runs is None else first + integer("runs", runs, 1) - 1
+    parts = [part for file in files if len(part := _read(file, about["setup"], last))]
+    there = np.concatenate([np.empty(0, np.int64), *(part.run for part in parts)])
+    gaps = np.flatnonzero(there != first + np.arange(there.size))
+    missing = first + int(gaps[0] if gaps.size else there.size)
+    # Those at the end were perhaps never computed.
+    if missing < int(files[-1].stem.removeprefix("runs-")) and (last is None or missing <= last):
         raise InputError(
-            f"{folder}: run {run} is missing, later ones are there; `monte_carlo` computes it again"
+            f"{folder}: run {missing} is missing, later ones are there; `monte_carlo` computes it "
+            "again"
         )
-    return found
+    return joined(parts)
 
 
 def _agree(file: Path, about: dict[str, Any]) -> None:
@@ -201,8 +205,8 @@ def _about(file: Path) -> dict[str, Any]:
         as_written = False
     if not as_written:
         raise InputError(
-            f"{file} is damaged: what runs are in {file.parent} is not known; without it and them "
-            "`monte_carlo` begins anew"
+            f"{file} is damaged: nothing else tells which runs {file.parent} holds; delete both to "
+            "begin anew"
         )
     return about
 
@@ -236,10 +240,15 @@ def _flat(about: dict[str, Any]) -> dict[str, Any]:
 def _replace(file: Path, write: Callable[[Path], object]) -> None:
     """Write a file so that it exists whole or not at all, whatever happens."""
     half = file.with_suffix(f".{os.getpid()}.tmp")
-    write(half)
-    with half.open("rb+") as handle:
-        os.fsync(handle.fileno())
-    half.replace(file)
+    try:
+        write(half)
+        with half.open("rb+") as handle:
+            os.fsync(handle.fileno())
+        half.replace(file)
+    finally:
+        # Its own after an error, and those of processes that were killed.
+        for left in file.parent.glob(f"{file.stem}.*.tmp"):
+            left.unlink(missing_ok=True)
 
 
 def _holds(file: Path, part: Chunk, common: dict[str, Any]) -> bool:
@@ -247,14 +256,18 @@ def _holds(file: Path, part: Chunk, common: dict[str, Any]) -> bool:
     if not file.exists():
         return False
     try:
-        speeds = _frame(file, common)["speed"].to_numpy()
+        frame = _frame(file, common)
     except _Damaged:
         return False  # computed again
+    speeds = frame["speed"].to_numpy()
     here = np.broadcast_to(part.options["speed"], part.options["runs"])
     for i in np.flatnonzero(speeds[: len(here)] != here[: len(speeds)])[:1]:
         run = part.first_run + i
         raise InputError(f"{file}: run {run} has speed {speeds[i]} there, {here[i]} here")
-    return len(speeds) >= len(here)
+    # Masked runs are computed again where they are to be raised for.
+    masked = frame["failure"][: len(here)].notna().any()
+    usable = masks(part.options.get("on_error", "raise")) or not masked
+    return bool(usable) and len(speeds) >= len(here)
 
 
 def _write(file: Path, part: Chunk) -> None:

@@ -75,7 +75,7 @@ class Table:
             if one and one[1] in self.values:
                 raise self.tables(one[1])[int(one[2])].fault(said, one[3]) from None
             # The library's messages begin with the argument's name: the key, if none is given.
-            named = re.match(r"\w+", said)
+            named = re.match(r"\w+(?=[ [:])", said)
             if named and key:
                 said = key + said[named.end() :]
             key = key or (named[0] if named else "")

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
     #: One run by the text of its speed.
     Runs: TypeAlias = Mapping[str, Response | nonlinear.Response]
+    #: Extremes of the sections of each, if they are wanted.
+    Sections: TypeAlias = Mapping[str, Mapping[float, Extremes]]
 
 
 #: Sections that are listed.
@@ -59,15 +61,18 @@ def run(
     files = {kind: to or case.output.get(kind) for kind, to in asked.items()}
     output = Output.of(case, files)
     runs = case.run()
-    output.say(_summary(case, runs, random=runway is not None, length=length))
+    found = {} if length is None else {name: runs[name].sections(length) for name in runs}
+    output.say(_summary(case, runs, found, length, random=runway is not None))
     output.write(
         table_writers(lambda: _tables(case, runs), case.units)
         | figure_writer(lambda: _figure(case, runs))
-        | {"json": lambda to: _write_json(case, runs, to, length)}
+        | {"json": lambda to: _write_json(case, runs, found, to)}
     )
 
 
-def _summary(case: Case, runs: Runs, *, random: bool, length: float | None) -> Iterator[str]:
+def _summary(
+    case: Case, runs: Runs, sections: Sections, length: float | None, *, random: bool
+) -> Iterator[str]:
     yield from heading(case)
     yield from notes(case)
     if random:
@@ -80,7 +85,7 @@ def _summary(case: Case, runs: Runs, *, random: bool, length: float | None) -> I
         yield ""
         yield from _of_speed(case, name, response)
         if length is not None:
-            yield from _worst_sections(case, response.sections(length), length)
+            yield from _worst_sections(case, sections[name], length)
 
 
 def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) -> Iterator[str]:
@@ -134,7 +139,7 @@ def _worst_sections(case: Case, sections: Mapping[float, Extremes], length: floa
         yield "  " + "".join(map(str.rjust, [f"{begin:.2f}", *shares, *shaken], widths))
 
 
-def _write_json(case: Case, runs: Runs, to: str, length: float | None) -> None:
+def _write_json(case: Case, runs: Runs, sections: Sections, to: str) -> None:
     document = {
         "title": case.title,
         "units": {"length": case.units.length, "force": case.units.force, "time": "s"},
@@ -146,7 +151,7 @@ def _write_json(case: Case, runs: Runs, to: str, length: float | None) -> None:
             "shapes": case.modes.shapes.tolist(),
             "static_correction": case.modes.static_correction,
         },
-        "runs": [_results(case, name, response, length) for name, response in runs.items()],
+        "runs": [_results(case, name, runs[name], sections.get(name)) for name in runs],
     }
     with opened(to) as file:
         json.dump(document, file, indent=1, allow_nan=False)
@@ -154,7 +159,10 @@ def _write_json(case: Case, runs: Runs, to: str, length: float | None) -> None:
 
 
 def _results(
-    case: Case, name: str, response: Response | nonlinear.Response, length: float | None
+    case: Case,
+    name: str,
+    response: Response | nonlinear.Response,
+    sections: Mapping[float, Extremes] | None,
 ) -> dict[str, Any]:
     history = tables.columns(tables_response.quantities(response))
     results: dict[str, Any] = {
@@ -167,9 +175,10 @@ def _results(
         "rms_acceleration": response.rms_acceleration,
         "history": {name: values.tolist() for name, values in history.items()},
     }
-    if length is not None:
-        sections = response.sections(length).items()
-        results["sections"] = [{"begin": begin, **_extremes(found)} for begin, found in sections]
+    if sections is not None:
+        results["sections"] = [
+            {"begin": begin, **_extremes(found)} for begin, found in sections.items()
+        ]
     return results
 
 

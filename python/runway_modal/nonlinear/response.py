@@ -237,7 +237,7 @@ class Response(Shown):
     @property
     def unloaded(self) -> NDArray[np.bool_]:
         """Whether each gear leaves the runway between the first and the last time, shape (g,)."""
-        return read_only(self.extremes().min_load <= 0.0)
+        return self.extremes().unloaded
 
     def at(self, times: ArrayLike) -> Response:
         """
@@ -471,6 +471,10 @@ class Response(Shown):
                     f"begin = {begin!r}, end = {end!r}: gear {name!r} leaves the runway there"
                 )
         return {name: equivalent_stiffness(k) for name, k in sampled.items()}
+
+    def __reduce__(self) -> tuple[type[Response], tuple[Any, ...]]:
+        """Pickle by the solution: what follows from it is computed again, to the same bits."""
+        return Response, (self.aircraft, self._motion, self._pieces, self.speed, self.time)
 
     def __repr__(self) -> str:
         """Span and size."""

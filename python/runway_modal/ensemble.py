@@ -600,7 +600,7 @@ class Ensemble(Pickled):
         >>> runways = np.random.default_rng(1).normal(scale=0.1, size=(50, 1, 200))
         >>> ensemble = rm.simulate_many(rm.f4e().modes(0.01), runways, 12.0, rm.knots(60))
         >>> ensemble.to_pandas().shape
-        (50, 12)
+        (50, 15)
         """
         from .tables_ensemble import to_pandas
 

@@ -136,7 +136,7 @@ def plot_loads(
 ) -> Axes:
     """Draw what `Response.plot` documents."""
     abscissa = _abscissa(against, units)
-    names = shown("gears", gears, response.aircraft.gear_names, "gear")
+    names = shown("gears", gears, response.gear_names, "gear")
     columns = _columns(response, {gear: gear for gear in names})
     ax = ax or new_axes()
     _draw_loads(ax, [(gear, response, column) for gear, column in columns], units, against)
@@ -171,7 +171,7 @@ def _abscissa(against: Against, units: Units | None) -> str:
 
 def _columns(response: Results, gears: Mapping[str, str]) -> list[tuple[str, int]]:
     """Label and column of each gear."""
-    names = response.aircraft.gear_names
+    names = response.gear_names
     shown("gears", list(gears), names, "gear")
     return [(label, names.index(gear)) for gear, label in gears.items()]
 

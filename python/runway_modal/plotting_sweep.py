@@ -88,7 +88,7 @@ def plot_loads(
     sweep: Sweep, gears: Sequence[str] | None, ax: Axes | None, units: Units | None
 ) -> Axes:
     """Draw what `Sweep.plot` documents."""
-    names = sweep.modes.aircraft.gear_names
+    names = sweep.gear_names
     wanted = shown("gears", gears, names, "gear")
     ax = ax or new_axes()
     scale, unit = load_unit(units)
@@ -116,7 +116,7 @@ def plot_accelerations(
 ) -> Axes:
     """Draw what `Sweep.plot_acceleration` documents."""
     wanted = shown("stations", stations, tuple(sweep.max_acceleration), "station")
-    gravity = in_g("sweep", sweep.modes.aircraft, units)
+    gravity = in_g("sweep", sweep.aircraft, units)
     ax = ax or new_axes()
     order = np.argsort(sweep.speed)
     speed = _speed(ax, sweep.speed[order], units)

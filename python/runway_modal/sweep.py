@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
+    from .aircraft import Aircraft
     from .profile import Profile
     from .units import Units
 
@@ -72,25 +73,35 @@ class Sweep(Pickled):
     time_of_max_acceleration: dict[str, NDArray[np.float64]]
 
     @property
+    def aircraft(self) -> Aircraft:
+        """The aircraft of all runs."""
+        return self.modes.aircraft
+
+    @property
+    def gear_names(self) -> tuple[str, ...]:
+        """Names of the gears, in the order of the columns."""
+        return self.aircraft.gear_names
+
+    @property
     def static_load(self) -> NDArray[np.float64]:
         """Compression load of each gear in equilibrium on a level runway, shape (g,) [force]."""
-        return self.modes.aircraft.static_load
+        return self.aircraft.static_load
 
     @property
     def position_of_max(self) -> NDArray[np.float64]:
         """Station of the runway under each gear at its largest load, shape (s, g) [length]."""
-        return positions(self.modes.aircraft, self.speed[:, None], self.time_of_max)
+        return positions(self.aircraft, self.speed[:, None], self.time_of_max)
 
     @property
     def position_of_min(self) -> NDArray[np.float64]:
         """Station of the runway under each gear at its smallest load, shape (s, g) [length]."""
-        return positions(self.modes.aircraft, self.speed[:, None], self.time_of_min)
+        return positions(self.aircraft, self.speed[:, None], self.time_of_min)
 
     @property
     def position_of_max_acceleration(self) -> dict[str, NDArray[np.float64]]:
         """Station of the runway below each point at its largest acceleration [length]."""
         times = self.time_of_max_acceleration
-        return station_positions(self.modes.aircraft, self.speed, times)
+        return station_positions(self.aircraft, self.speed, times)
 
     @property
     def unloaded(self) -> NDArray[np.bool_]:
@@ -263,7 +274,7 @@ class Sweep(Pickled):
 
     def __repr__(self) -> str:
         """Span and size."""
-        gears = ", ".join(self.modes.aircraft.gear_names)
+        gears = ", ".join(self.aircraft.gear_names)
         if not self.speed.size:
             return f"<Sweep: no speeds, gears {gears}>"
         low, high = self.speed.min(), self.speed.max()

@@ -22,7 +22,11 @@ if TYPE_CHECKING:
 def quantities(ensemble: Ensemble) -> list[Quantity]:
     """All quantities in the order of the columns, the run number first."""
     gears = ensemble.gear_names
-    found = [Quantity("run", None, ensemble.run), Quantity("speed", SPEED, ensemble.speed)]
+    found = [
+        Quantity("run", None, ensemble.run),
+        Quantity("speed", SPEED, ensemble.speed),
+        Quantity("static_load", FORCE, ensemble.static_load, "gear", gears),
+    ]
     for name, dimension in DIMENSIONS.items():
         values = getattr(ensemble, name)
         if dimension == FORCE:
@@ -40,8 +44,7 @@ def to_pandas(ensemble: Ensemble, units: Units | None) -> pd.DataFrame:
 def to_xarray(ensemble: Ensemble, units: Units | None) -> xr.Dataset:
     """Make the data set that `Ensemble.to_xarray` documents."""
     run, *others = quantities(ensemble)
-    static = Quantity("static_load", FORCE, ensemble.static_load, "gear", ensemble.gear_names)
-    return tables.to_xarray(run, [*others, static], units)
+    return tables.to_xarray(run, others, units)
 
 
 def estimate_to_pandas(estimate: Estimate) -> pd.DataFrame:

@@ -26,7 +26,7 @@ _OF_GEARS = {"load": FORCE, "elevation": LENGTH, "stiffness": STIFFNESS}
 
 def quantities(response: Results) -> list[Quantity]:
     """All quantities in the order of the columns, time first."""
-    gears = response.aircraft.gear_names
+    gears = response.gear_names
     return [
         Quantity("time", TIME, response.time),
         Quantity("distance", LENGTH, response.distance),
@@ -71,6 +71,6 @@ def extremes_to_pandas(extremes: Extremes, units: Units | None) -> pd.DataFrame:
 def to_xarray(response: Results, units: Units | None) -> xr.Dataset:
     """Make the data set that `Response.to_xarray` documents."""
     time, *others = quantities(response)
-    gears = response.aircraft.gear_names
+    gears = response.gear_names
     static = Quantity("static_load", FORCE, response.static_load, "gear", gears)
     return tables.to_xarray(time, [*others, static], units)

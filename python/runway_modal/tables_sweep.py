@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 def quantities(sweep: Sweep) -> list[Quantity]:
     """All quantities in the order of the columns, speed first."""
-    gears = sweep.modes.aircraft.gear_names
+    gears = sweep.gear_names
     return [
         Quantity("speed", SPEED, sweep.speed),
         *(
@@ -41,6 +41,6 @@ def to_pandas(sweep: Sweep, units: Units | None) -> pd.DataFrame:
 def to_xarray(sweep: Sweep, units: Units | None) -> xr.Dataset:
     """Make the data set that `Sweep.to_xarray` documents."""
     speed, *others = quantities(sweep)
-    gears = sweep.modes.aircraft.gear_names
+    gears = sweep.gear_names
     static = Quantity("static_load", FORCE, sweep.static_load, "gear", gears)
     return tables.to_xarray(speed, [*others, static], units)

@@ -89,7 +89,7 @@ def _summary(
 
 
 def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) -> Iterator[str]:
-    units, gears, width = case.units, response.aircraft.gear_names, name_width(case)
+    units, gears, width = case.units, response.gear_names, name_width(case)
     extremes, unloaded = response.extremes(), response.unloaded
     yield f"Speed {stated_speed(case, name)}, {response.time[0]:.4g} to {response.time[-1]:.4g} s"
     yield from loads_table(

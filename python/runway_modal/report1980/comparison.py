@@ -35,7 +35,7 @@ def _extremes(response: Response) -> Iterator[str]:
     extremes = response.extremes()
     ratios = after_over_on(response, FULL_MAT)
     yield "  gear    static [lbf]   largest [lbf] at [s]    smallest [lbf] at [s]   after/on mat"
-    for g, name in enumerate(response.modes.aircraft.gear_names):
+    for g, name in enumerate(response.gear_names):
         word = "amplified" if ratios[g] > 1 else "cancelled"
         yield (
             f"  {name:<6} {response.static_load[g]:12.1f} {extremes.max_load[g]:14.1f}"

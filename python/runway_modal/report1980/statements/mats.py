@@ -54,7 +54,7 @@ def _bounce_mode_dominates() -> Finding:
     response = runs.full_mat("static")
     free = response.time >= (runs.FULL_MAT.x[-1] + runs.WHEELBASE) / runs.MAT_SPEED
     # Off the mat a load is the stiffness times the modes' shares of the gear's motion.
-    left = response.modes.aircraft.geometry[1] @ response.modes.shapes
+    left = response.aircraft.geometry[1] @ response.modes.shapes
     pitch, bounce, roll = np.std(response.modal[free] * left, axis=0)
     return Finding(
         bounce > 0.5 * (pitch + bounce + roll),

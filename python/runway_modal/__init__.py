@@ -9,11 +9,12 @@ from .aircraft import Aircraft, Gear, equivalent_stiffness, f4e, single_dof
 from .ensemble import Ensemble, Estimate, simulate_many
 from .extremes import Extremes
 from .modes import Modes
+from .monte_carlo import monte_carlo
 from .profile import Profile
 from .profile_csv import read_csv, write_csv
 from .profile_erd import read_erd, write_erd
 from .response import Response
-from .roughness import Roughness, monte_carlo
+from .roughness import Roughness
 from .simulate import simulate
 from .sweep import Sweep, WorstSpeed, sweep, worst_speed
 from .units import Units, knots

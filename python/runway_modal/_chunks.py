@@ -1,18 +1,19 @@
-"""A Monte Carlo cut into chunks of runs that can be computed anywhere, at any time."""
+"""A Monte Carlo, at once or in chunks of runs that can be computed anywhere, at any time."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Literal, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 import numpy as np
 
+from . import _core
 from ._core import InputError, NumericalError
-from ._input import integer, one_or_each, refuse
-from .ensemble import masks
-from .roughness import Roughness, lateral_positions, monte_carlo, run_numbers
+from ._input import flag, integer, one_or_each, refuse
+from .ensemble import assembled, describe, masks
+from .roughness import Roughness, lateral_positions, run_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -56,7 +57,70 @@ class Chunk:
 
     def compute(self) -> Ensemble:
         """Compute the runs."""
-        return monte_carlo(self.modes, self.roughness, **self.options)
+        return roll(self.modes, self.roughness, **self.options)
+
+
+def roll(
+    modes: Modes,
+    roughness: Roughness,
+    *,
+    length: float,
+    spacing: float,
+    speed: ArrayLike,
+    runs: int,
+    seed: int,
+    first_run: int = 0,
+    tracks: Literal["one", "isotropic"] = "one",
+    damping_input: bool = False,
+    on_error: Literal["raise", "mask"] = "raise",
+) -> Ensemble:
+    """Compute all runs at once."""
+    if not isinstance(roughness, Roughness):
+        raise InputError(f"roughness = {roughness!r} is not a Roughness")
+    damping_input = flag("damping_input", damping_input)
+    mask = masks(on_error)
+    runs, first_run = run_numbers(runs, first_run)
+    y = lateral_positions(modes, tracks)
+    generator = roughness._generator(length, spacing, seed, y)
+    speeds = one_or_each("speed", speed, runs)
+    points = np.array(list(modes.aircraft.stations.values()))
+    results, failed = _core.monte_carlo(
+        modes._core, generator, first_run, runs, speeds.tolist(), points, damping_input, mask
+    )
+    about = setup(
+        modes,
+        roughness,
+        length=length,
+        spacing=spacing,
+        seed=seed,
+        tracks=tracks,
+        damping_input=damping_input,
+    )
+    static = modes.aircraft.static_load
+    return assembled(modes.aircraft, results, failed, about, first_run, speeds, static)
+
+
+def setup(
+    modes: Modes,
+    roughness: Roughness,
+    *,
+    length: float,
+    spacing: float,
+    seed: int,
+    tracks: str = "one",
+    damping_input: bool = False,
+) -> dict[str, Any]:
+    """List what the runs of one Monte Carlo share, in plain numbers for JSON."""
+    made_of = roughness._rebuild[1]
+    return {
+        **describe(modes),
+        "roughness": [np.asarray(part).tolist() for part in made_of],
+        "length": float(length),
+        "spacing": float(spacing),
+        "seed": int(seed),
+        "tracks": tracks,
+        "damping_input": bool(damping_input),
+    }
 
 
 def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> Iterator[Chunk]:

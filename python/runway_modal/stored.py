@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._chunks import CHUNK, Chunk, chunks, joined
+from ._chunks import CHUNK, Chunk, chunks, joined, setup
 from ._core import InputError, __version__
 from ._extras import need
 from ._input import integer, read_only
 from ._quantities import DIMENSIONS
 from .ensemble import Ensemble, masks
-from .roughness import setup
 from .units import FORCE
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from runway_modal import stored, tables_ensemble
 from runway_modal._input import integer
 from runway_modal._quantities import DIMENSIONS, DOWNWARD, LABELS, names_of
 from runway_modal.case import read_case
+from runway_modal.monte_carlo import monte_carlo
 from runway_modal.plotting_ensemble import histograms_and_exceedances
-from runway_modal.roughness import monte_carlo
 from runway_modal.units import FORCE
 
 from .notes import ignored, on_dampers, on_modes

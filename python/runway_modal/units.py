@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 import numpy as np
 
 from ._core import InputError
-from ._input import any_array, array, finite, refuse
+from ._input import any_array, array, finite, number, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -89,14 +89,13 @@ def knots(
     array([10.289, 20.578])
     """
     metres = _LENGTHS[length_unit("length", length)] / _LENGTHS["m"]
-    if any_array("v", v).ndim == 0:
-        return finite("v in the new unit", finite("v", v) * _METRES_PER_SECOND / metres)
-    given = array("v", v, ndim=None)
+    one = any_array("v", v).ndim == 0
+    given = np.array(number("v", v)) if one else array("v", v, ndim=None)
     refuse("v", given, ~np.isfinite(given), "is not finite")
     with np.errstate(over="ignore"):
         converted = given * _METRES_PER_SECOND / metres
     refuse("v", given, ~np.isfinite(converted), f"is too large in {length}/s")
-    return converted
+    return float(converted) if one else converted
 
 
 #: Exponents of length, force and time.

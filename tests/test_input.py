@@ -334,7 +334,7 @@ def test_wrong_kinds_are_refused_by_name() -> None:
         (lambda: rm.Profile.sequence(None, 1.0), "profiles = None is not a sequence"),
         (lambda: rm.Profile.sequence([MAT, MAT], [[1, 2], [3]]), "gap is not a rectangular"),
         (lambda: ensemble.mean("max_load", confidence=[0.9, 0.95]), "confidence = [0.9"),
-        (lambda: ensemble.mean(["max_load"]), "quantity = ['max_load']: no such"),
+        (lambda: ensemble.mean(["max_load"]), "quantity = ['max_load'] is none of"),
         (lambda: ensemble.worst(["left"]), "at = ['left']: no such gear"),
         (lambda: rm.monte_carlo(MODES, surface, **runway, on_error=strange), "on_error = array"),
         (lambda: rm.monte_carlo(MODES, surface, **runway, tracks=strange), "tracks = array"),

@@ -107,7 +107,7 @@ def test_runs_over_other_ground_have_lines_of_their_own() -> None:
     assert grounds({"Table 3": RESPONSE, "Table 4": other}, "time") == {"all"}
     with pytest.raises(rm.InputError, match=r"responses = .* is not a mapping"):
         loads_over_profile([RESPONSE], {"nose": ""})
-    with pytest.raises(rm.InputError, match="against = 'load' is neither"):
+    with pytest.raises(rm.InputError, match="against = 'load' is none of 'time', 'distance'"):
         loads_over_profile(speeds, {"nose": ""}, against="load")
 
 
@@ -160,7 +160,7 @@ def test_unknown_gear_and_missing_extra(monkeypatch: pytest.MonkeyPatch) -> None
     with pytest.raises(rm.InputError, match=r"stations\[0\] = 'tail': no such station"):
         RESPONSE.plot_acceleration(["tail"])
     for plot in (RESPONSE.plot, RESPONSE.plot_acceleration):
-        with pytest.raises(rm.InputError, match="against = 'load' is neither"):
+        with pytest.raises(rm.InputError, match="against = 'load' is none of 'time', 'distance'"):
             plot(against="load")
     with pytest.raises(rm.InputError, match="responses is empty"):
         loads_over_profile({}, {"nose": ""})

@@ -207,7 +207,7 @@ def test_csv_faults(
         ({"unit": ("m", "yd")}, "unit[1] = 'yd' is none of"),
         ({"unit": ("m", "m", "m")}, "is not a unit or a pair"),
         ({"unit": 3}, "unit = 3 is not a unit or a pair"),
-        ({"decimal": ";"}, "decimal = ';' is neither"),
+        ({"decimal": ";"}, "decimal = ';' is none of '.', ','"),
         ({"delimiter": "||"}, "delimiter = '||' cannot separate cells"),
         ({"delimiter": ""}, "delimiter = '' cannot separate"),
         ({"delimiter": '"'}, "cannot separate"),

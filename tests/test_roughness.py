@@ -360,7 +360,7 @@ def test_runs_that_overflow_are_named_or_masked() -> None:
     dynamic = same.rms_load * 1e50
     assert masked.rms_load[masked.valid] == pytest.approx(dynamic[masked.valid], rel=1e-12)
     assert dynamic[~masked.valid].min() > dynamic[masked.valid].max()
-    with pytest.raises(rm.InputError, match="on_error = 'ignore' is neither"):
+    with pytest.raises(rm.InputError, match="on_error = 'ignore' is none of 'raise', 'mask'"):
         rm.monte_carlo(**HUGE, runs=1, on_error="ignore")
 
 
@@ -540,7 +540,7 @@ def test_bad_table(n: list[float], psd: list[float], message: str) -> None:
             {"modes": [rm.f4e().modes(0.01)] * 2},
             "modes has 2 entries, a single Modes expected; simulate_many",
         ),
-        ({"tracks": "both"}, "tracks = 'both' is neither 'one' nor 'isotropic'"),
+        ({"tracks": "both"}, "tracks = 'both' is none of 'one', 'isotropic'"),
         ({"damping_input": 1}, "damping_input = 1 is not True or False"),
         ({"speed": 0.0}, "speed = 0.0 is not positive"),
         ({"speed": [1.0, 2.0]}, "speed has 2 entries, 3 expected"),
@@ -629,7 +629,7 @@ def test_coherent_tracks_need_one_waviness() -> None:
 
 def test_bad_replay() -> None:
     modes = rm.f4e().modes(0.01)
-    with pytest.raises(rm.InputError, match="tracks = 'two' is neither"):
+    with pytest.raises(rm.InputError, match="tracks = 'two' is none of 'one', "):
         rough().profiles(modes, 0, **GRID, seed=1, tracks="two")
     with pytest.raises(rm.InputError, match="is not a Modes"):
         rough().profiles(modes.aircraft, 0, **GRID, seed=1)

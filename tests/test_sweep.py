@@ -272,7 +272,7 @@ def test_other_bad_input() -> None:
         ({"speeds": (300.0, 200.0)}, r"speeds = \(300.0, 200.0\): the lowest comes first"),
         ({"speeds": (0.0, 200.0)}, r"speeds\[0\] = 0.0 is not positive"),
         ({"speeds": (300.0, np.inf)}, r"speeds\[1\] = inf is not finite"),
-        ({"quantity": "load"}, "quantity = 'load' is none of max_load"),
+        ({"quantity": "load"}, "quantity = 'load' is none of 'max_load'"),
         ({"at": "pilot"}, r"at = 'pilot': no such gear; there are \('nose', 'left', 'right'\)"),
         ({"quantity": "max_acceleration"}, "at = 'left': no such station"),
         ({"tolerance": 0.0}, "tolerance = 0.0 is not positive"),

@@ -13,7 +13,7 @@ import numpy as np
 from ._core import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -108,6 +108,14 @@ def one_or_each(
     if count is not None and each.size != count:
         raise InputError(f"{argument} has {entries(each.size)}, {count} expected (one per {of})")
     return each
+
+
+def one_of(argument: str, value: object, known: Iterable[str]) -> str:
+    """Check a name against those that are known."""
+    names = tuple(known)
+    if not isinstance(value, str) or value not in names:
+        raise InputError(f"{argument} = {value!r} is none of {', '.join(map(repr, names))}")
+    return value
 
 
 def in_order(values: NDArray[Any], dtype: type[np.floating[Any]]) -> NDArray[Any]:

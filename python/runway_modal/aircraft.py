@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, number, read_only, refuse
+from ._input import array, number, one_of, read_only, refuse
 from .modes import Modes
 
 if TYPE_CHECKING:
@@ -392,9 +392,7 @@ def f4e(stiffness: Literal["static", "equivalent"] = "static") -> Aircraft:
     >>> rm.f4e("equivalent").modes(0.01).frequency_hz[1].round(2)
     np.float64(1.8)
     """
-    if not isinstance(stiffness, str) or stiffness not in _F4E_STIFFNESS:
-        raise InputError(f"stiffness = {stiffness!r} is none of {tuple(_F4E_STIFFNESS)}")
-    nose, main = _F4E_STIFFNESS[stiffness]
+    nose, main = _F4E_STIFFNESS[one_of("stiffness", stiffness, _F4E_STIFFNESS)]
     return Aircraft(
         mass=145.5,
         pitch_inertia=1.92e6,

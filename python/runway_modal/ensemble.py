@@ -19,6 +19,7 @@ from ._input import (
     in_order,
     integer,
     number,
+    one_of,
     one_or_each,
     read_only,
     refuse,
@@ -255,10 +256,7 @@ class Ensemble(Pickled):
 
     def _of(self, quantity: str) -> NDArray[np.float64]:
         """Values of a quantity, one row per run, one column per gear or station."""
-        if not isinstance(quantity, str) or quantity not in DIMENSIONS:
-            there = tuple(DIMENSIONS)
-            raise InputError(f"quantity = {quantity!r}: no such quantity; there are {there}")
-        values = getattr(self, quantity)
+        values = getattr(self, one_of("quantity", quantity, DIMENSIONS))
         return np.column_stack(list(values.values())) if isinstance(values, dict) else values
 
     def _sorted(self, quantity: str) -> NDArray[np.float64]:
@@ -839,9 +837,7 @@ def _tail(confidence: float) -> float:
 
 def masks(on_error: str) -> bool:
     """Check `on_error`: whether runs that give no result are masked."""
-    if not isinstance(on_error, str) or on_error not in ("raise", "mask"):
-        raise InputError(f'on_error = {on_error!r} is neither "raise" nor "mask"')
-    return on_error == "mask"
+    return one_of("on_error", on_error, ("raise", "mask")) == "mask"
 
 
 def _between_0_and_1(argument: str, values: ArrayLike) -> NDArray[np.float64]:

@@ -27,6 +27,7 @@ from ._axes import (
     with_unit,
 )
 from ._core import InputError
+from ._input import one_of
 from .units import LENGTH, TIME
 
 if TYPE_CHECKING:
@@ -162,11 +163,9 @@ def plot_accelerations(
 
 def _abscissa(against: Against, units: Units | None) -> str:
     """Label of the axis that a response is drawn against."""
-    if against == "time":
+    if one_of("against", against, ("time", "distance")) == "time":
         return axis_label("time", TIME, units)
-    if against == "distance":
-        return axis_label("distance of the foremost gear", LENGTH, units)
-    raise InputError(f"against = {against!r} is neither 'time' nor 'distance'")
+    return axis_label("distance of the foremost gear", LENGTH, units)
 
 
 def _columns(response: Results, gears: Mapping[str, str]) -> list[tuple[str, int]]:

@@ -26,7 +26,7 @@ from ._files import (
     wanted,
     write_lines,
 )
-from ._input import integer
+from ._input import integer, one_of
 from .units import length_unit
 
 if TYPE_CHECKING:
@@ -137,8 +137,7 @@ def read_csv(
     """
     to = length_unit("to", to)
     stated_x, stated_z = stated_units(unit)
-    if decimal not in (".", ","):
-        raise InputError(f"decimal = {decimal!r} is neither '.' nor ','")
+    decimal = one_of("decimal", decimal, (".", ","))
     if delimiter is not None and (
         not isinstance(delimiter, str) or len(delimiter) != 1 or delimiter in f'{decimal}"'
     ):

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import array, entries, finite, integer, number, read_only, refuse
+from ._input import array, entries, finite, integer, number, one_of, read_only, refuse
 from .modes import Modes, check_modes
 from .profile import Profile
 from .units import convert_length, length_unit
@@ -436,10 +436,6 @@ def run_numbers(runs: int, first_run: int, below: int = _NUMBERS // 2) -> tuple[
 def lateral_positions(modes: Modes, tracks: str) -> NDArray[np.float64]:
     """Lateral positions of the tracks: one for all gears or one per gear."""
     check_modes("modes", modes)
-    if not isinstance(tracks, str):
-        raise InputError(f"tracks = {tracks!r} is neither 'one' nor 'isotropic'")
-    if tracks == "one":
+    if one_of("tracks", tracks, ("one", "isotropic")) == "one":
         return np.zeros(1)
-    if tracks == "isotropic":
-        return np.array([gear.y for gear in modes.aircraft.gears])
-    raise InputError(f"tracks = {tracks!r} is neither 'one' nor 'isotropic'")
+    return np.array([gear.y for gear in modes.aircraft.gears])

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import any_array, array, flag, integer, number, read_only
+from ._input import any_array, array, flag, integer, number, one_of, read_only
 from ._pickled import Pickled
 from ._quantities import column_of
 from ._tracks import by_gear
@@ -488,8 +488,7 @@ def worst_speed(
     low, high = _limits(speeds)
     aircraft = modes.aircraft
     quantities = ("max_load", "min_load", "max_acceleration")
-    if not isinstance(quantity, str) or quantity not in quantities:
-        raise InputError(f"quantity = {quantity!r} is none of {', '.join(quantities)}")
+    one_of("quantity", quantity, quantities)
     column = column_of(quantity, at, aircraft.gear_names, tuple(aircraft.stations))
     point = aircraft.stations[at] if quantity == "max_acceleration" else (0.0, 0.0)
     most = integer("max_runs", max_runs, 100, 2**53)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 import numpy as np
 
 from ._core import InputError
-from ._input import any_array, array, finite, number, refuse
+from ._input import any_array, array, finite, number, one_of, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,9 +29,7 @@ _METRES_PER_SECOND = 1852.0 / 3600.0
 
 def length_unit(argument: str, unit: object) -> str:
     """Check a unit of length."""
-    if not isinstance(unit, str) or unit not in _LENGTHS:
-        raise InputError(f"{argument} = {unit!r} is none of {', '.join(map(repr, _LENGTHS))}")
-    return unit
+    return one_of(argument, unit, _LENGTHS)
 
 
 def is_length_unit(text: str) -> bool:
@@ -205,9 +203,7 @@ class Units:
     def __post_init__(self) -> None:
         """Check the names."""
         length_unit("length", self.length)
-        if not isinstance(self.force, str) or self.force not in _FORCES:
-            known = ", ".join(map(repr, _FORCES))
-            raise InputError(f"force = {self.force!r} is none of {known}")
+        one_of("force", self.force, _FORCES)
 
     def name(self, dimension: Dimension) -> str:
         """

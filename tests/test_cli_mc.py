@@ -1,6 +1,7 @@
 """``runway-modal mc`` as its users run it."""
 
 import csv
+import json
 import os
 import re
 import signal
@@ -219,6 +220,65 @@ def test_tables_hold_every_run(case: Path, ensemble: rm.Ensemble, capsys) -> Non
     assert f"figure: {figure}" in capsys.readouterr().out
 
 
+def test_statistics_for_other_programs(
+    case: Path, ensemble: rm.Ensemble, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tracks = '[[track]]\nshape = "full_mat"\n[run]'
+    case.write_text(CASE.replace("[run]", tracks), "utf-8")
+    assert main(["mc", str(case), "--json", "-"]) == 0
+    captured = capsys.readouterr()
+    assert "Speed 60 kt" in captured.err
+    document = json.loads(captured.out)
+    assert document["title"] == "F-4E: random runways, ISO 8608 class B"
+    assert document["units"] == {"length": "in", "force": "lbf", "time": "s"}
+    # The ramps of the mat are, but no run rolls over it.
+    assert document["inferred"] == []
+    assert document["runways"]["seed"] == 1980
+    assert document["runways"]["tracks"] == "isotropic"
+    (found,) = document["speeds"]
+    assert (found["stated_speed"], found["runs"], found["first_run"]) == ("60 kt", 600, 0)
+    assert found["static_load"]["left"] == pytest.approx(ensemble.static_load[0, 1])
+
+    def estimate(of: dict[str, float]) -> list[float]:
+        return [of["value"], of["low"], of["high"]]
+
+    def row(of: rm.Estimate, i: int, at: int) -> list[float]:
+        return [part[i, at] for part in (of.value, of.low, of.high)]
+
+    left = found["min_load"]["left"]
+    mean = ensemble.mean("min_load")
+    assert estimate(left["mean"]) == pytest.approx(row(mean, 0, 1))
+    probabilities = [quantile["probability"] for quantile in left["quantiles"]]
+    assert probabilities == pytest.approx([0.5, 0.05, 0.01, 0.001])
+    quantiles = ensemble.quantile("min_load", probabilities)
+    for i, quantile in enumerate(left["quantiles"][:3]):
+        assert estimate(quantile) == pytest.approx(row(quantiles, i, 1))
+    # Of 600 runs none bounds the 0.1 % quantile from below.
+    assert left["quantiles"][3]["low"] is None
+    assert left["quantiles"][3]["high"] == pytest.approx(quantiles.high[3, 1])
+    worst = int(ensemble.min_load[:, 1].argmin())
+    assert left["worst"] == {"value": pytest.approx(ensemble.min_load[worst, 1]), "run": worst}
+    pilot = found["max_acceleration"]["pilot"]["worst"]
+    assert pilot["value"] == pytest.approx(ensemble.max_acceleration["pilot"].max())
+
+    shares = {(one["quantity"], one["at"], one["stated_level"]): one for one in found["exceedance"]}
+    assert len(shares) == 3 + 3 + 2 * 3 + 2
+    above = ensemble.exceedance("max_load", 35_000.0)
+    left = shares["max_load", "left", "35 kip"]
+    assert (left["side"], left["level"]) == ("above", pytest.approx(35_000.0))
+    assert estimate(left) == pytest.approx(row(above, 0, 1))
+    assert shares["min_load", "nose", "0 (unloads)"]["side"] == "at or below"
+    assert found["worst_runs"]["right"] == ensemble.worst("right", 5).tolist()
+
+
+def test_one_run_has_no_intervals(case: Path) -> None:
+    to = case.with_suffix(".json")
+    assert main(["mc", str(case), "--runs", "1", "--json", str(to)]) == 0
+    (found,) = json.loads(to.read_text("utf-8"))["speeds"]
+    mean = found["max_load"]["left"]["mean"]
+    assert mean == {"value": found["max_load"]["left"]["worst"]["value"], "low": None, "high": None}
+
+
 def test_a_killed_run_goes_on(case: Path) -> None:
     out = case.with_name("out")
     text = case.read_text("utf-8").replace('["60 kt"]', '["10 m/s", "60 kt"]')
@@ -349,7 +409,7 @@ def test_progress_is_shown_on_a_terminal_alone(case: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--figure", "-"], "--figure -: only csv can go to standard output"),
+        (["--figure", "-"], "--figure -: only csv or json can go to standard output"),
         (["--figure", "a.xyz"], "figure a.xyz: the suffix is none of"),
         (["--csv", "./case.toml"], "csv ./case.toml: that is the case file"),
         (["--csv", "none/a.csv"], "csv none/a.csv: no such directory"),

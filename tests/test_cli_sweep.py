@@ -1,5 +1,7 @@
 """``runway-modal sweep`` as its users run it."""
 
+import dataclasses
+import json
 import re
 from pathlib import Path
 
@@ -143,12 +145,15 @@ def test_keys_that_are_not_used_are_said(case: Path, capsys: pytest.CaptureFixtu
 
 def test_a_tolerance_that_is_not_reached(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
     case.write_text(CASE.replace('"1 kip"', "1e-8"), "utf-8")
-    assert main(["sweep", str(case), "--csv", str(case.with_name("a.csv"))]) == 2
+    files = ["--csv", str(case.with_name("a.csv")), "--json", str(case.with_name("a.json"))]
+    assert main(["sweep", str(case), *files]) == 2
     captured = capsys.readouterr()
     assert "case.toml:15: sweep: tolerance = 1e-8 takes more runs than" in captured.err
     # All that could be found is there.
     assert "17 speeds" in captured.out
     assert len(pd.read_csv(case.with_name("a.csv"))) == 17
+    # A document that is there holds what was asked for.
+    assert not case.with_name("a.json").exists()
 
 
 def test_files_hold_every_speed(case: Path) -> None:
@@ -163,6 +168,34 @@ def test_files_hold_every_speed(case: Path) -> None:
     left = table["max_load_left [lbf]"], frame["max_load_left"]
     np.testing.assert_allclose(*left, rtol=5e-16)
     assert figure.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("tolerance", [True, False])
+def test_results_for_other_programs(
+    case: Path, capsys: pytest.CaptureFixture[str], tolerance: bool
+) -> None:
+    if not tolerance:
+        case.write_text(CASE.replace('tolerance = "1 kip"', ""), "utf-8")
+    assert main(["sweep", str(case), "--json", "-"]) == 0
+    captured = capsys.readouterr()
+    assert "17 speeds" in captured.err
+    document = json.loads(captured.out)
+    assert document["inferred"] == ["track[0]: ramps of 12 in"]
+    modes, mat = rm.f4e().modes(0.01), rm.Profile.full_mat()
+    found = rm.sweep(modes, mat, document["speed"])
+    assert len(document["speed"]) == 17
+    for g, gear in enumerate(found.gear_names):
+        assert document["static_load"][gear] == found.static_load[g]
+        for quantity in ("max_load", "time_of_min", "position_of_max", "unloaded"):
+            assert document[quantity][gear] == getattr(found, quantity)[:, g].tolist()
+    assert document["max_acceleration"]["cg"] == found.max_acceleration["cg"].tolist()
+    if not tolerance:
+        assert document["proven"] == {}
+        return
+    limits = rm.knots(20), rm.knots(60)
+    worst = rm.worst_speed(modes, mat, limits, "min_load", at="left", tolerance=1000.0)
+    assert document["proven"]["left"]["min_load"] == pytest.approx(dataclasses.asdict(worst))
+    assert set(document["proven"]) == set(found.gear_names)
 
 
 def test_standard_output_is_the_table_alone(case: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -37,14 +37,16 @@ With --csv - or --json - the summary goes to standard error.
 _SWEEP = """\
 Roll over the tracks of the case at each speed of [sweep]. Print each gear's largest and smallest
 load, each station's largest acceleration, and the speeds at which they occur; with a tolerance in
-[sweep], also what no speed in between exceeds. With --csv - the summary goes to standard error.
+[sweep], also what no speed in between exceeds. With --csv - or --json - the summary goes to
+standard error.
 """
 
 _MC = """\
 Roll over the random runways of [roughness] and [monte_carlo] in the case, at each speed of [run].
 Print means, quantiles and probabilities of exceedance with their confidence intervals, and the
 worst runs by number; `runway-modal run CASE.toml --runway NUMBER` shows any run in full.
-A terminal shows a progress bar (extra cli). With --csv - the summary goes to standard error.
+A terminal shows a progress bar (extra cli). With --csv - or --json - the summary goes to
+standard error.
 """
 
 
@@ -134,6 +136,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     of_sweep = takes_case(add("sweep", _sweep, "roll over the tracks at many speeds", _SWEEP))
     of_sweep.add_argument("--csv", metavar="PATH", help="one row per speed; - for standard output")
+    of_sweep.add_argument(
+        "--json", metavar="PATH", help="extremes and proven bounds by speed; - as for --csv"
+    )
     of_sweep.add_argument("--parquet", metavar="PATH", help="one row per speed (extra tables)")
     of_sweep.add_argument(
         "--figure",
@@ -154,6 +159,9 @@ def _parser() -> argparse.ArgumentParser:
         "(extra tables)",
     )
     of_mc.add_argument("--csv", metavar="PATH", help="one row per run; - for standard output")
+    of_mc.add_argument(
+        "--json", metavar="PATH", help="statistics with their intervals; - as for --csv"
+    )
     of_mc.add_argument("--parquet", metavar="PATH", help="one row per run (extra tables)")
     of_mc.add_argument(
         "--figure",

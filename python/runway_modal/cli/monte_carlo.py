@@ -5,21 +5,23 @@ from __future__ import annotations
 import re
 import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from runway_modal import stored, tables_ensemble
 from runway_modal._input import integer
-from runway_modal._quantities import DIMENSIONS, DOWNWARD, LABELS, names_of
+from runway_modal._quantities import DIMENSIONS, DOWNWARD, LABELS
 from runway_modal.case import read_case
 from runway_modal.monte_carlo import monte_carlo
 from runway_modal.plotting_ensemble import histograms_and_exceedances
 from runway_modal.units import FORCE
 
+from .documents import json_writer
 from .notes import ignored, on_dampers, on_modes
 from .output import Output, figure_writer, table_writers
 from .progress import progress_bar
+from .statistics import Statistics, document, exceedances, side, worst_runs
 from .text import heading, load_digits, modes_table, name_width, stated_speed, unloading
 
 if TYPE_CHECKING:
@@ -31,12 +33,6 @@ if TYPE_CHECKING:
     from runway_modal.case import Case
     from runway_modal.case.random_runways import RandomRunways
     from runway_modal.ensemble import Ensemble
-
-#: Probabilities of the quantiles that are printed.
-_SHARES = np.array([0.5, 0.95, 0.99, 0.999])
-
-#: Number of worst runs that are listed.
-_WORST = 5
 
 
 def run(
@@ -53,6 +49,9 @@ def run(
     if runs is not None:
         random = replace(random, runs=integer("--runs", runs, 1))
     case.need_linear("a Monte Carlo")
+    # The tracks of the case have no part in this.
+    title = f"{case.title}: random runways, {random.spectrum}"
+    case = replace(case, title=title, tracks=None, track_notes=())
     output = Output.of(case, asked)
     ensembles = _compute(case, random, out, quiet=quiet)
     output.say(_summary(path, case, random, ensembles))
@@ -63,6 +62,7 @@ def run(
             lambda: map(tables_ensemble.quantities, ensembles.values()), case.units, index="run"
         )
         | figure_writer(lambda: _figure(case, ensembles))
+        | json_writer(case, lambda: _document(case, random, ensembles))
     )
 
 
@@ -71,7 +71,7 @@ def _figure(case: Case, ensembles: Mapping[str, Ensemble]) -> Figure:
     if len(case.aircraft.stations) > 1:  # the centre of gravity is always there
         quantities.append("max_acceleration")
     return histograms_and_exceedances(
-        ensembles, _title(case), units=case.units, quantities=quantities
+        ensembles, case.title, units=case.units, quantities=quantities
     )
 
 
@@ -122,7 +122,7 @@ def _summary(
     path: Path, case: Case, random: RandomRunways, ensembles: Mapping[str, Ensemble]
 ) -> Iterator[str]:
     length = case.units.length
-    yield from heading(case, _title(case))
+    yield from heading(case)
     yield from on_modes(case)
     yield from on_dampers(case, {})
     low, high = random.roughness.band
@@ -150,8 +150,26 @@ def _summary(
     yield f"Any run in full: runway-modal run {path} --runway {worst}"
 
 
-def _title(case: Case) -> str:
-    return f"{case.title}: random runways, {case.random_runways().spectrum}"
+def _document(
+    case: Case, random: RandomRunways, ensembles: Mapping[str, Ensemble]
+) -> dict[str, Any]:
+    low, high = random.roughness.band
+    return {
+        "runways": {
+            "spectrum": random.spectrum,
+            "band": [low, high],
+            "variance": random.roughness.variance,
+            "length": random.length,
+            "spacing": random.spacing,
+            "tracks": random.tracks,
+            "seed": random.seed,
+        },
+        "confidence": 0.95,
+        "speeds": [
+            {"speed": case.speeds[name], "stated_speed": name, **document(ensemble, random)}
+            for name, ensemble in ensembles.items()
+        ],
+    }
 
 
 def _of_speed(case: Case, name: str, ensemble: Ensemble, random: RandomRunways) -> Iterator[str]:
@@ -172,18 +190,16 @@ def _of_speed(case: Case, name: str, ensemble: Ensemble, random: RandomRunways) 
     yield from _shares(ensemble, random)
     yield ""
     yield f"  {'Largest loads':<{width + 6}} in runs, worst first"
-    for gear in gears:
-        numbers = ", ".join(map(str, ensemble.worst(gear, _WORST)))
-        yield f"  {gear:<{width + 6}} {numbers}"
+    for gear, runs in worst_runs(ensemble).items():
+        yield f"  {gear:<{width + 6}} {', '.join(map(str, runs))}"
 
 
 def _quantity(
     ensemble: Ensemble, quantity: str, scale: float, unit: str, width: int, digits: int
 ) -> Iterator[str]:
     """Tabulate mean, quantiles and extreme of a quantity by gear or station, with intervals."""
-    downward = quantity in DOWNWARD
-    shares = 1.0 - _SHARES if downward else _SHARES
-    mean, quantiles = ensemble.mean(quantity), ensemble.quantile(quantity, shares)
+    downward, found = quantity in DOWNWARD, Statistics.of(ensemble, quantity)
+    mean, quantiles, shares = found.mean, found.quantiles, found.quantiles.asked
     bounded = np.isfinite(quantiles.low[:, 0]) & np.isfinite(quantiles.high[:, 0])
     heads = ["mean", *(f"{100 * share:g} %" for share in shares[bounded])]
     cells = "".join(f"{head:>12}" for head in [*heads, "smallest" if downward else "largest"])
@@ -195,14 +211,12 @@ def _quantity(
         texts = "".join(f"{number / scale:12.{digits}f}" for number in numbers)
         return f"  {head:<{width}}{texts}{run}"
 
-    for column, name in enumerate(names_of(ensemble, quantity)):
-        one = ensemble._of(quantity)[:, column]
-        at = int(one.argmin() if downward else one.argmax())
+    for column, (name, worst) in enumerate(zip(found.names, found.worst, strict=True)):
         value, low, high = (
             [getattr(mean, part)[0, column], *getattr(quantiles, part)[bounded, column]]
             for part in ("value", "low", "high")
         )
-        yield line(name, [*value, one[at]], f"{ensemble.run[at]:>12}")
+        yield line(name, [*value, worst.value], f"{worst.run:>12}")
         if len(ensemble) > 1:
             yield line("  from", low)
             yield line("  to", high)
@@ -214,18 +228,15 @@ def _quantity(
 
 def _shares(ensemble: Ensemble, random: RandomRunways) -> Iterator[str]:
     """Tabulate the share of runs that unload a gear or exceed a level."""
-    asked = {"min_load": {"0 (unloads)": 0.0}}
-    for quantity, levels in random.levels.items():
-        asked[quantity] = asked.get(quantity, {}) | dict(levels)
     rows: list[tuple[str, float, float, float]] = []
-    for quantity, levels in asked.items():
-        found = ensemble.exceedance(quantity, list(levels.values()))
-        side = "at or below" if quantity in DOWNWARD else "above"
+    for quantity, levels, found in exceedances(ensemble, random):
         for i, text in enumerate(levels):
-            for column, name in enumerate(names_of(ensemble, quantity)):
+            for column, name in enumerate(found.names):
                 parts = (part[i, column] for part in (found.value, found.low, found.high))
                 value, low, high = (100.0 * float(part) for part in parts)
-                rows.append((f"{name}: {LABELS[quantity]} {side} {text}", value, low, high))
+                rows.append(
+                    (f"{name}: {LABELS[quantity]} {side(quantity)} {text}", value, low, high)
+                )
     width = max(len(row[0]) for row in rows)
     head = "Share of runs [%], with 95 % intervals"
     yield f"  {head:<{width}}{'':>12}{'from':>12}{'to':>12}"

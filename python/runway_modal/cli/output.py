@@ -75,9 +75,10 @@ class Output:
             os.dup2(os.open(os.devnull, os.O_WRONLY), self.stream.fileno())
 
     def write(self, writers: Mapping[str, Callable[[str], None]]) -> None:
-        """Write what is wanted, by kind."""
+        """Write the files of these kinds that are wanted."""
+        wanted = {kind: self.paths[kind] for kind in writers if kind in self.paths}
         # Files first: the reader of standard output may stop early.
-        for kind, to in sorted(self.paths.items(), key=lambda item: item[1] == _STANDARD):
+        for kind, to in sorted(wanted.items(), key=lambda item: item[1] == _STANDARD):
             writers[kind](to)
             if to != _STANDARD:
                 self.say([f"{kind}: {to}"])

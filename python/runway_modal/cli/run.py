@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from runway_modal import tables, tables_response
@@ -12,8 +11,9 @@ from runway_modal._quantities import EXTREMES_OF_GEARS, EXTREMES_OF_STATIONS
 from runway_modal.case import Case, read_case
 from runway_modal.units import LENGTH
 
+from .documents import by_name, json_writer
 from .notes import ignored, notes
-from .output import Output, figure_writer, opened, table_writers
+from .output import Output, figure_writer, table_writers
 from .text import heading, loads_table, modes_table, name_width, stated_speed, unloading
 
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from runway_modal import nonlinear
-    from runway_modal._results import Aircraft
     from runway_modal.extremes import Extremes
     from runway_modal.response import Response
 
@@ -66,7 +65,10 @@ def run(
     output.write(
         table_writers(lambda: _tables(case, runs), case.units)
         | figure_writer(lambda: _figure(case, runs))
-        | {"json": lambda to: _write_json(case, runs, found, to)}
+        | json_writer(
+            case,
+            lambda: {"runs": [_results(case, name, runs[name], found.get(name)) for name in runs]},
+        )
     )
 
 
@@ -139,25 +141,6 @@ def _worst_sections(case: Case, sections: Mapping[float, Extremes], length: floa
         yield "  " + "".join(map(str.rjust, [f"{begin:.2f}", *shares, *shaken], widths))
 
 
-def _write_json(case: Case, runs: Runs, sections: Sections, to: str) -> None:
-    document = {
-        "title": case.title,
-        "units": {"length": case.units.length, "force": case.units.force, "time": "s"},
-        "nonlinear": case.reference is not None,
-        "inferred": case.notes,
-        "modes": {
-            "omega": case.modes.omega.tolist(),
-            "damping_ratio": case.modes.damping_ratio.tolist(),
-            "shapes": case.modes.shapes.tolist(),
-            "static_correction": case.modes.static_correction,
-        },
-        "runs": [_results(case, name, runs[name], sections.get(name)) for name in runs],
-    }
-    with opened(to) as file:
-        json.dump(document, file, indent=1, allow_nan=False)
-        file.write("\n")
-
-
 def _results(
     case: Case,
     name: str,
@@ -168,10 +151,10 @@ def _results(
     results: dict[str, Any] = {
         "speed": case.speeds[name],
         "stated_speed": name,
-        "static_load": _by_gear(response.aircraft, response.static_load),
+        "static_load": by_name(response.gear_names, response.static_load),
         **_extremes(response.extremes()),
-        "unloaded": _by_gear(response.aircraft, response.unloaded),
-        "rms_load": _by_gear(response.aircraft, response.rms_load),
+        "unloaded": by_name(response.gear_names, response.unloaded),
+        "rms_load": by_name(response.gear_names, response.rms_load),
         "rms_acceleration": response.rms_acceleration,
         "history": {name: values.tolist() for name, values in history.items()},
     }
@@ -183,12 +166,9 @@ def _results(
 
 
 def _extremes(extremes: Extremes) -> dict[str, Any]:
-    gears = {key: _by_gear(extremes.aircraft, getattr(extremes, key)) for key in EXTREMES_OF_GEARS}
+    names = extremes.aircraft.gear_names
+    gears = {key: by_name(names, getattr(extremes, key)) for key in EXTREMES_OF_GEARS}
     return gears | {key: getattr(extremes, key) for key in EXTREMES_OF_STATIONS}
-
-
-def _by_gear(aircraft: Aircraft, values: NDArray[Any]) -> dict[str, Any]:
-    return dict(zip(aircraft.gear_names, values.tolist(), strict=True))
 
 
 def _figure(case: Case, runs: Runs) -> Figure:

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, Literal
 
 from runway_modal import tables_sweep
-from runway_modal._quantities import ACCELERATION_LIMIT
+from runway_modal._quantities import ACCELERATION_LIMIT, EXTREMES_OF_GEARS, EXTREMES_OF_STATIONS
 from runway_modal.case import read_case
 from runway_modal.plotting_sweep import loads_and_accelerations
 from runway_modal.sweep import sweep, worst_speed
 
+from .documents import by_name, json_writer
 from .notes import ignored, notes
 from .output import Output, figure_writer, table_writers
 from .text import heading, load_digits, loads_table, modes_table, name_width, unloading
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
     from pathlib import Path
 
     import numpy as np
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
     from runway_modal.case import Case
     from runway_modal.case.speed_range import SpeedRange
     from runway_modal.profile import Profile
-    from runway_modal.sweep import Sweep
+    from runway_modal.sweep import Sweep, WorstSpeed
 
 
 def run(path: Path, asked: Mapping[str, str | None]) -> None:
@@ -41,9 +43,14 @@ def run(path: Path, asked: Mapping[str, str | None]) -> None:
         table_writers(lambda: [tables_sweep.quantities(found)], case.units)
         | figure_writer(lambda: loads_and_accelerations(found, case.title, units=case.units))
     )
-    # Last, line by line: it may take long or come to nothing.
-    for line in _proven(case, tracks, span):
-        output.say([line])
+    # Last, gear by gear: it may take long or come to nothing.
+    proven: dict[str, dict[str, WorstSpeed]] = {}
+    if span.tolerance is not None:
+        output.say(_heads_of_proven(case))
+        for gear in case.aircraft.gear_names:
+            proven[gear] = _worst_speeds(case, tracks, span, gear, span.tolerance)
+            output.say([_proven(case, gear, **proven[gear])])
+    output.write(json_writer(case, lambda: _document(found, proven)))
 
 
 def _summary(case: Case, found: Sweep) -> Iterator[str]:
@@ -93,16 +100,14 @@ def _accelerations(case: Case, found: Sweep, knots: NDArray[np.float64]) -> Iter
         yield f"  {station:<{width}} {shares[at]:35.4f} {knots[at]:10.4f}{where:14.2f} {first:>24}"
 
 
-def _proven(case: Case, tracks: Mapping[str, Profile], span: SpeedRange) -> Iterator[str]:
-    """Tell what no speed of the range exceeds, between the steps too."""
-    tolerance = span.tolerance
-    if tolerance is None:
-        return
-    width, digits, force = name_width(case), load_digits(case), f"[{case.units.force}]"
-
-    def worst(gear: str, quantity: Literal["max_load", "min_load"]) -> str:
-        with span.place.located():
-            found = worst_speed(
+def _worst_speeds(
+    case: Case, tracks: Mapping[str, Profile], span: SpeedRange, gear: str, tolerance: float
+) -> dict[str, WorstSpeed]:
+    """Find what no speed of the range exceeds at a gear, between the steps too."""
+    quantities: tuple[Literal["max_load", "min_load"], ...] = ("max_load", "min_load")
+    with span.place.located():
+        return {
+            quantity: worst_speed(
                 case.modes,
                 tracks,
                 (span.low, span.high),
@@ -111,18 +116,47 @@ def _proven(case: Case, tracks: Mapping[str, Profile], span: SpeedRange) -> Iter
                 tolerance=tolerance,
                 damping_input=case.damping_input,
             )
-        knots = found.speed / case.units.knot
-        # Rounded outwards: what is printed is proven, too.
-        outwards = math.ceil if quantity == "max_load" else math.floor
-        bound = outwards(found.bound * 10**digits) / 10**digits
-        return f"{found.value:16.{digits}f} {knots:10.4f} {bound:17.{digits}f} {found.runs:8d}"
+            for quantity in quantities
+        }
 
+
+def _heads_of_proven(case: Case) -> Iterator[str]:
+    force = f"[{case.units.force}]"
     yield ""
     yield "Largest and smallest load at any speed of the range, proven"
     heads = (
         f"{f'{what} {force}':>16}    at [kt] {f'none {beyond} {force}':>17}     runs"
         for what, beyond in (("largest", "above"), ("smallest", "below"))
     )
-    yield f"  {'gear':<{width}}{''.join(heads)}"
-    for gear in case.aircraft.gear_names:
-        yield f"  {gear:<{width}}{worst(gear, 'max_load')}{worst(gear, 'min_load')}"
+    yield f"  {'gear':<{name_width(case)}}{''.join(heads)}"
+
+
+def _proven(case: Case, gear: str, max_load: WorstSpeed, min_load: WorstSpeed) -> str:
+    digits = load_digits(case)
+
+    def cells(found: WorstSpeed, outwards: Callable[[float], int]) -> str:
+        knots = found.speed / case.units.knot
+        # Rounded outwards: what is printed is proven, too.
+        bound = outwards(found.bound * 10**digits) / 10**digits
+        return f"{found.value:16.{digits}f} {knots:10.4f} {bound:17.{digits}f} {found.runs:8d}"
+
+    largest, smallest = cells(max_load, math.ceil), cells(min_load, math.floor)
+    return f"  {gear:<{name_width(case)}}{largest}{smallest}"
+
+
+def _document(found: Sweep, proven: Mapping[str, Mapping[str, WorstSpeed]]) -> dict[str, Any]:
+    gears = found.gear_names
+    return {
+        "speed": found.speed.tolist(),
+        "static_load": by_name(gears, found.static_load),
+        **{key: by_name(gears, getattr(found, key).T) for key in EXTREMES_OF_GEARS},
+        **{
+            key: {station: values.tolist() for station, values in getattr(found, key).items()}
+            for key in EXTREMES_OF_STATIONS
+        },
+        "unloaded": by_name(gears, found.unloaded.T),
+        "proven": {
+            gear: {quantity: asdict(worst) for quantity, worst in of_gear.items()}
+            for gear, of_gear in proven.items()
+        },
+    }

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     Peaks: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
-def heading(case: Case, title: str = "") -> Iterator[str]:
+def heading(case: Case) -> Iterator[str]:
     """Begin a summary."""
-    yield title or case.title
+    yield case.title
     yield f"Units: {case.units.length}, {case.units.force}, s"
 
 

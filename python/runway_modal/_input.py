@@ -137,7 +137,8 @@ def refuse_masked(argument: str, values: NDArray[Any]) -> None:
 
 def refuse(argument: str, values: NDArray[Any], wrong: NDArray[np.bool_], why: str) -> None:
     """Raise for the first wrong value, if there is one."""
-    for index in np.argwhere(wrong):
+    # Small arrays are many, and wrong ones few.
+    for index in np.argwhere(wrong) if wrong.any() else ():
         value = values[tuple(index)].item()
         raise InputError(f"{argument}{_where(index)} = {value!r} {why}")
 

@@ -45,7 +45,11 @@ def test_a_killed_worker_changes_no_bit():
             threading.Thread(target=kill, daemon=True).start()
 
         kill_once_at_work()
-        shared = distributed.monte_carlo(client, modes, surface, chunk=500, **RUNWAY)
+        told = []
+        shared = distributed.monte_carlo(
+            client, modes, surface, chunk=500, progress=lambda *now: told.append(now), **RUNWAY
+        )
+        assert told == [(done, 40_000) for done in range(0, 40_001, 500)]
         assert killed not in client.run(os.getpid).values()
     alone = rm.monte_carlo(modes, surface, **RUNWAY)
     for key in ("run", "max_load", "min_load", "rms_load"):

@@ -160,18 +160,17 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> I
     return (part(begin, min(begin + size, runs)) for begin in range(0, runs, size))
 
 
-def computed(
-    modes: Modes, roughness: Roughness, options: Options, progress: Callable[[int, int], object]
-) -> Ensemble:
-    """Compute chunk by chunk in this process; `progress` gets the runs finished and wanted."""
-    results: list[Ensemble] = []
-    parts, runs, done = chunks(modes, roughness, options, CHUNK), int(options["runs"]), 0
-    progress(done, runs)
+def told(
+    parts: Iterable[Chunk], runs: int, progress: Callable[[int, int], object] | None
+) -> Iterator[Chunk]:
+    """Pass on the chunks of so many runs, telling `progress` of each that is done with."""
+    tell = progress or (lambda *_: None)
+    done = 0
+    tell(done, runs)
     for part in parts:
-        results.append(part.compute())
+        yield part
         done += part.options["runs"]
-        progress(done, runs)
-    return joined(results)
+        tell(done, runs)
 
 
 def joined(parts: Iterable[Ensemble]) -> Ensemble:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ._chunks import CHUNK, Chunk, chunks, joined
+from ._chunks import CHUNK, Chunk, chunks, joined, told
 from ._core import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from typing import Unpack
 
     from distributed import Client
@@ -26,6 +27,7 @@ def monte_carlo(
     roughness: Roughness,
     *,
     chunk: int = CHUNK,
+    progress: Callable[[int, int], object] | None = None,
     **options: Unpack[Options],
 ) -> Ensemble:
     """
@@ -44,6 +46,9 @@ def monte_carlo(
         As for `runway_modal.monte_carlo`.
     chunk : int
         Runs per task.
+    progress : callable, optional
+        Called with the numbers of runs finished and wanted, before the first chunk and after
+        each, in the order of the runs.
     **options
         The keyword arguments of `runway_modal.monte_carlo`.
 
@@ -78,7 +83,8 @@ def monte_carlo(
 
     if not isinstance(client, Client):
         raise InputError(f"client = {client!r} is not a distributed.Client")
-    parts = chunks(modes, roughness, options, chunk)
+    parts = list(chunks(modes, roughness, options, chunk))
     # Not pure: results that another call left in the cluster are not reused.
-    futures = client.map(Chunk.compute, list(parts), pure=False)
-    return joined(future.result() for future in futures)
+    futures = client.map(Chunk.compute, parts, pure=False)
+    waited = zip(told(parts, int(options["runs"]), progress), futures, strict=True)
+    return joined(future.result() for _, future in waited)

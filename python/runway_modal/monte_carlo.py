@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
-from ._chunks import Options, computed, roll
+from ._chunks import CHUNK, Options, chunks, joined, roll, told
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -118,4 +118,5 @@ def monte_carlo(
     }
     if progress is None:
         return roll(modes, roughness, **options)
-    return computed(modes, roughness, options, progress)
+    parts = told(chunks(modes, roughness, options, CHUNK), int(options["runs"]), progress)
+    return joined(part.compute() for part in parts)

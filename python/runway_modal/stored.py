@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._chunks import CHUNK, Chunk, chunks, joined, setup
+from ._chunks import CHUNK, Chunk, chunks, joined, setup, told
 from ._core import InputError, __version__
 from ._extras import need
 from ._input import integer, read_only
@@ -113,16 +113,10 @@ def monte_carlo(
     }
     _finished(folder)
     _agree(folder / _SETUP, about)
-    runs, done = int(options["runs"]), 0
-    if progress is not None:
-        progress(done, runs)
-    for part in parts:
+    for part in told(parts, int(options["runs"]), progress):
         file = folder / f"runs-{part.first_run:012d}.parquet"
         if not _holds(file, part, common):
             _write(file, part)
-        done += part.options["runs"]
-        if progress is not None:
-            progress(done, runs)
 
 
 def read(directory: str | os.PathLike[str], *, runs: int | None = None) -> Ensemble:

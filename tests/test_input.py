@@ -86,7 +86,6 @@ SCALARS: list[tuple[str, Make, str]] = [
     ("length", lambda v: rm.Profile.one_minus_cosine(v, 1.0), "positive"),
     ("height", lambda v: rm.Profile.one_minus_cosine(9.0, v), "any"),
     ("start", lambda v: rm.Profile.one_minus_cosine(9.0, 1.0, start=v), "any"),
-    ("segments", lambda v: rm.Profile.one_minus_cosine(9.0, 1.0, segments=v), "positive"),
     ("length", lambda v: rm.Profile.crater_repair(v, 2.0, 1.0, 60.0), "positive"),
     ("upheaval", lambda v: rm.Profile.crater_repair(930.0, v, 1.0, 60.0), "any"),
     ("settlement", lambda v: rm.Profile.crater_repair(930.0, 2.0, v, 60.0), "any"),
@@ -219,7 +218,7 @@ def test_something_that_is_not_a_number(
 @pytest.mark.parametrize("value", [np.float32(3.0), np.int8(3), 3, np.array(3.0), True])
 @pytest.mark.parametrize(("name", "make", "_allowed"), SCALARS, ids=SCALAR_IDS)
 def test_any_kind_of_real_number(name: str, make: Make, _allowed: str, value: Any) -> None:
-    if name in ("spacing", "segments", "ramp") or (name == "length" and value is True):
+    if name in ("spacing", "ramp") or (name == "length" and value is True):
         value = type(value)(25) if not isinstance(value, bool | np.ndarray) else 25
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -168,6 +168,20 @@ def test_spalls_that_touch() -> None:
     np.testing.assert_array_equal(touching.elevation(stations), wide.elevation(stations))
 
 
+@pytest.mark.parametrize(
+    ("segments", "why"),
+    [
+        (1, "must be at least 2"),
+        (10**7, "must be at least 2 and below 10000000"),
+        (4.0, "is not a whole number"),
+        ("64", "is not a whole number"),
+    ],
+)
+def test_segments_are_counted(segments: int, why: str) -> None:
+    with pytest.raises(rm.InputError, match=f"segments = {segments!r} {why}"):
+        rm.Profile.one_minus_cosine(80.0, 3.0, segments=segments)
+
+
 @pytest.mark.parametrize("segments", [2, 3, 64, 1001])
 def test_one_minus_cosine(segments: int) -> None:
     profile = rm.Profile.one_minus_cosine(80.0, 3.0, segments=segments, start=7.0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _core
 from ._core import InputError
-from ._input import any_array, array, entries, finite, number, read_only, refuse
+from ._input import any_array, array, entries, finite, integer, number, read_only, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -298,7 +298,8 @@ class Profile:
         Raises
         ------
         InputError
-            If `length` is not positive, a value is not finite or there are too few segments.
+            If `length` is not positive, a value is not finite or `segments` is not a whole number,
+            at least 2 and below 1e7.
 
         Examples
         --------
@@ -306,13 +307,9 @@ class Profile:
         >>> rm.Profile.one_minus_cosine(100.0, 2.0, segments=4).z
         array([0., 1., 2., 1., 0.])
         """
-        count = number("segments", segments)
-        if not (count == int(count) if abs(count) < 1e7 else False):
-            raise InputError(f"segments = {segments!r} is not a whole number below 1e7")
-        if count < 2:
-            raise InputError(f"segments = {segments!r} is less than 2")
+        count = integer("segments", segments, 2, 10**7)
         length, height = number("length", length), number("height", height)
-        core = _core.Profile.one_minus_cosine(length, height, int(count), number("start", start))
+        core = _core.Profile.one_minus_cosine(length, height, count, number("start", start))
         return cls._wrap(core)
 
     @classmethod

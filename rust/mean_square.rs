@@ -142,13 +142,17 @@ struct Output {
     sum: f64,
 }
 
-/// The integrals of all outputs between two times; at a single time, the squares.
+/// The integrals of all outputs, stretch by stretch; at a single time, the squares.
 struct Squares<'a> {
     run: &'a Run,
     outputs: Vec<Output>,
     heights: Heights,
     begin: f64,
     end: f64,
+    /// Where the stretches after this one end.
+    later: &'a [f64],
+    /// Root mean squares of the stretches before.
+    found: Vec<Vec<f64>>,
     inside: Inside<'a>,
     /// Each mode in a bank of its own, whose lanes are times.
     alone: Vec<Oscillators>,
@@ -181,11 +185,38 @@ impl Squares<'_> {
             *sum += weight.dot(value * value);
         }
     }
-}
 
-impl Visitor for Squares<'_> {
+    /// Whether nothing after a segment adds to the stretch.
+    fn is_through(&self, segment: &Segment) -> bool {
+        // A single time at the end of a segment is the start of the next one.
+        segment.end > self.end || (segment.end == self.end && self.begin < self.end)
+    }
+
+    /// What a segment adds to the stretches that begin on it.
+    #[cold]
+    fn visit_next(&mut self, segment: &Segment) {
+        while self.is_through(segment) && self.turn_to_next() {
+            self.visit_part(segment);
+        }
+    }
+
+    /// Ends a stretch, unless it is the last.
+    fn turn_to_next(&mut self) -> bool {
+        let Some((&end, later)) = self.later.split_first() else { return false };
+        self.end_stretch();
+        (self.begin, self.end, self.later) = (self.end, end, later);
+        true
+    }
+
+    fn end_stretch(&mut self) {
+        let span = if self.begin == self.end { 1.0 } else { self.end - self.begin };
+        let root = |output: &mut Output| (std::mem::take(&mut output.sum) / span).sqrt();
+        self.found.push(self.outputs.iter_mut().map(root).collect());
+    }
+
+    /// What a segment adds to the stretch.
     #[inline(always)]
-    fn visit(&mut self, segment: &Segment) {
+    fn visit_part(&mut self, segment: &Segment) {
         let (from, to) = (segment.start.max(self.begin), segment.end.min(self.end));
         let instant = self.begin == self.end;
         if from > to || from == segment.end || (from == to && !instant) {
@@ -218,6 +249,16 @@ impl Visitor for Squares<'_> {
             }
         }
     }
+}
+
+impl Visitor for Squares<'_> {
+    #[inline(always)]
+    fn visit(&mut self, segment: &Segment) {
+        self.visit_part(segment);
+        if self.is_through(segment) {
+            self.visit_next(segment);
+        }
+    }
 
     fn go_on(&mut self, work: u32) -> bool {
         self.watch.go_on(work)
@@ -235,7 +276,24 @@ impl Run {
         (begin, end): (f64, f64),
         pulse: Pulse,
     ) -> Result<Vec<f64>> {
-        self.check_times(&[begin, end])?;
+        Ok(self.root_mean_squares_between(quantities, &[begin, end], pulse)?.swap_remove(0))
+    }
+
+    /// The same for each stretch between two successive times of a list: a list a stretch.
+    ///
+    /// # Errors
+    /// Fewer than two times, or as for [`Run::root_mean_squares`].
+    pub fn root_mean_squares_between(
+        &self,
+        quantities: &[Quantity],
+        times: &[f64],
+        pulse: Pulse,
+    ) -> Result<Vec<Vec<f64>>> {
+        let &[begin, end, ref later @ ..] = times else {
+            return Err(Error::TooShort { argument: "times", found: times.len(), least: 2 });
+        };
+        self.check_times(times)?;
+        let last = times[times.len() - 1];
         let forms: Vec<Form> = quantities.iter().flat_map(|quantity| Form::all(self, quantity)).collect();
         let heights = Heights::new(self, &forms);
         let output = |form| Output { form, line: Line { start: 0.0, rate: 0.0 }, sum: 0.0 };
@@ -245,18 +303,19 @@ impl Run {
             heights,
             begin,
             end,
+            later,
+            found: Vec::with_capacity(times.len() - 1),
             inside: Inside::new(self),
             alone: (0..self.modes.omega().len()).map(|mode| self.oscillators.alone(mode)).collect(),
             watch: Watch::new(pulse),
         };
-        march(self, end, &mut squares);
+        march(self, last, &mut squares);
+        squares.end_stretch();
         squares.watch.outcome?;
-        let span = if begin == end { 1.0 } else { end - begin };
-        let roots: Vec<f64> = squares.outputs.iter().map(|output| (output.sum / span).sqrt()).collect();
-        if roots.iter().all(|root| root.is_finite()) {
-            Ok(roots)
+        if squares.found.iter().flatten().all(|root| root.is_finite()) {
+            Ok(squares.found)
         } else {
-            Err(Error::Overflow { quantity: "a root mean square", time: end })
+            Err(Error::Overflow { quantity: "a root mean square", time: last })
         }
     }
 }

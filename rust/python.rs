@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
-use numpy::ndarray::{Array3, ArrayView, ArrayView1, Dim, Dimension, IntoDimension};
+use numpy::ndarray::{Array2, Array3, ArrayView, ArrayView1, Dim, Dimension, IntoDimension};
 use numpy::{
     PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyReadonlyArray3, PyReadwriteArray3,
@@ -75,7 +75,7 @@ fn matrix<'py>(py: Python<'py>, rows: &[Vec<f64>]) -> PyResult<Bound<'py, PyArra
 }
 
 fn square<'py>(py: Python<'py>, matrix: &Matrix3<f64>) -> Bound<'py, PyArray2<f64>> {
-    PyArray2::from_owned_array(py, numpy::ndarray::Array2::from_shape_fn((3, 3), |(i, j)| matrix[(i, j)]))
+    PyArray2::from_owned_array(py, Array2::from_shape_fn((3, 3), |(i, j)| matrix[(i, j)]))
 }
 
 /// Points (x, y) from an array of two columns.
@@ -398,17 +398,20 @@ impl Run {
         Ok(extremes_of(py, &found, gears, points))
     }
 
-    /// Of the dynamic loads, then of accelerations at `stations`.
+    /// See [`Run::root_mean_squares_between`]: of dynamic loads, then of accelerations at `stations`; a
+    /// row a stretch.
     fn root_mean_squares<'py>(
         &self,
         py: Python<'py>,
         stations: Vec<(f64, f64)>,
-        begin: f64,
-        end: f64,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        times: PyReadonlyArray1<f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let times = times.as_slice()?;
+        let columns = self.0.modes().aircraft().gears().len() + stations.len();
         let quantities = [Quantity::DynamicLoad, Quantity::Acceleration(stations)];
-        let found = detached(py, |pulse| self.0.root_mean_squares(&quantities, (begin, end), pulse))?;
-        Ok(read_only(PyArray1::from_vec(py, found)))
+        let found = detached(py, |pulse| self.0.root_mean_squares_between(&quantities, times, pulse))?;
+        let rows = Array2::from_shape_fn((found.len(), columns), |(row, column)| found[row][column]);
+        Ok(read_only(PyArray2::from_owned_array(py, rows)))
     }
 }
 
@@ -517,7 +520,7 @@ fn run_many<'py>(
         Ok((found, failed))
     })?;
     let columns = |values: Vec<f64>, count: usize| {
-        numpy::ndarray::Array2::from_shape_vec((source.shape().runs, count), values)
+        Array2::from_shape_vec((source.shape().runs, count), values)
             .map(|array| PyArray2::from_owned_array(py, array))
             .map_err(|error| PyValueError::new_err(error.to_string()))
     };

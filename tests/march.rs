@@ -154,14 +154,25 @@ proptest! {
             let roots = run.root_mean_squares(&quantities, (begin, end), &mut || Ok(())).unwrap();
             roots.into_iter().map(|root| (end - begin) * root * root).collect()
         };
-        // Before the first knot, in the midst of segments, beyond the last knot.
-        let times = [-1.0, 0.013, 0.9, 0.91, 3.3, 40.0];
+        // Before the first knot, in the midst of segments, a single time, beyond the last knot.
+        let times = [-1.0, 0.013, 0.9, 0.91, 0.91, 3.3, 40.0];
         let mut sums = vec![0.0; 4];
         for span in times.windows(2) {
             sums.iter_mut().zip(squares(span[0], span[1])).for_each(|(sum, part)| *sum += part);
         }
-        for (sum, whole) in sums.into_iter().zip(squares(times[0], times[5])) {
+        for (sum, whole) in sums.into_iter().zip(squares(times[0], times[6])) {
             prop_assert!((sum - whole).abs() <= 1e-12 * whole, "{sum:?} {whole:?}");
+        }
+        // All at once, also where a stretch ends at a knot or is a single one.
+        let middle = profile.x()[profile.x().len() / 2] / SPEED;
+        for times in [&times[..], &[0.0, middle, middle, 2.0 * middle + 1.0], &[middle, middle]] {
+            let found = run.root_mean_squares_between(&quantities, times, &mut || Ok(())).unwrap();
+            prop_assert_eq!(found.len(), times.len() - 1);
+            for (span, found) in times.windows(2).zip(found) {
+                let alone =
+                    run.root_mean_squares(&quantities, (span[0], span[1]), &mut || Ok(())).unwrap();
+                prop_assert_eq!(alone, found);
+            }
         }
     }
 }
@@ -176,6 +187,8 @@ fn spans_of_time_out_of_order_are_refused() {
     }
     for times in [vec![], vec![1.0], vec![0.0, 2.0, 1.0], vec![0.0, f64::NAN, 1.0]] {
         assert!(run.extremes_between(&[Quantity::Load], &times, &mut || Ok(())).is_err(), "{times:?}");
+        let roots = run.root_mean_squares_between(&[Quantity::Load], &times, &mut || Ok(()));
+        assert!(roots.is_err(), "{times:?}");
     }
 }
 

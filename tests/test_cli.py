@@ -188,7 +188,7 @@ def test_the_worst_sections(case: Path, capsys: pytest.CaptureFixture[str]) -> N
     printed = capsys.readouterr().out
     title, heads, *lines = printed[printed.index("Worst 10 of 11") :].splitlines()
     assert "sections of 300 in: largest load ÷ static" in title
-    assert heads.split() == ["from", "[in]", "nose", "left", "right", "cg", "pilot"]
+    assert heads.split() == ["from", "[in]", "nose", "left", "right", "cg", "RMS", "pilot", "RMS"]
     aircraft = dataclasses.replace(rm.f4e(), stations={"pilot": (200.0, 0.0)})
     response = rm.simulate(aircraft.modes(0.01), rm.Profile.full_mat(), rm.knots(20))
     sections = response.sections(300.0)
@@ -198,6 +198,7 @@ def test_the_worst_sections(case: Path, capsys: pytest.CaptureFixture[str]) -> N
         found = sections[begin]
         np.testing.assert_allclose(numbers[:3], found.max_load / found.static_load, atol=6e-4)
         assert numbers[3] == pytest.approx(found.max_acceleration["cg"] / 386.0886, abs=6e-5)
+        assert numbers[6] == pytest.approx(found.rms_acceleration["pilot"] / 386.0886, abs=6e-5)
         shares.append(max(numbers[:3]))
     assert shares == sorted(shares, reverse=True)
     assert len(lines) == 10
@@ -212,6 +213,8 @@ def test_the_worst_sections(case: Path, capsys: pytest.CaptureFixture[str]) -> N
     for section, found in zip(written, sections.values(), strict=True):
         assert list(section["max_load"].values()) == pytest.approx(found.max_load.tolist())
         assert section["max_acceleration"] == pytest.approx(found.max_acceleration)
+        assert list(section["rms_load"].values()) == pytest.approx(found.rms_load.tolist())
+        assert section["rms_acceleration"] == pytest.approx(found.rms_acceleration)
 
 
 @pytest.mark.parametrize(

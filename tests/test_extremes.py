@@ -1,6 +1,7 @@
 """`Response.extremes` against dense evaluation and root finding on `Response.at`."""
 
 import dataclasses
+import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -416,6 +417,9 @@ def test_sections_are_extremes_between_their_ends(seed, length, start, damping_i
         scale = abs(alone.max_load).max()
         np.testing.assert_allclose(found.max_load, alone.max_load, atol=TOLERANCE * scale)
         np.testing.assert_allclose(found.min_load, alone.min_load, atol=TOLERANCE * scale)
+        rms = response.at([begin, end])
+        np.testing.assert_allclose(found.rms_load, rms.rms_load, atol=TOLERANCE * scale)
+        assert found.rms_acceleration == pytest.approx(rms.rms_acceleration, rel=TOLERANCE)
         within = (begin - 1e-9, end + 1e-9)
         for times in (found.time_of_max, found.time_of_min, found.time_of_max_acceleration["cg"]):
             assert (np.array(times) >= within[0]).all()
@@ -426,6 +430,16 @@ def test_sections_are_extremes_between_their_ends(seed, length, start, damping_i
         np.testing.assert_allclose(found, getattr(whole, each), rtol=1e-12)
     cg = max(section.max_acceleration["cg"] for section in sections.values())
     assert cg == pytest.approx(whole.max_acceleration["cg"], rel=1e-12)
+
+
+def test_sections_show_themselves_and_stay_read_only():
+    response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+    section = pickle.loads(pickle.dumps(response.sections(1000.0)[1000.0]))
+    lines = repr(section).splitlines()
+    assert lines[0].split()[:3] == ["gear", "static", "max_load"]
+    assert lines[-6:][1].split() == ["nose", f"{section.rms_load[0]:g}"]
+    assert lines[-1].split() == ["cg", f"{section.rms_acceleration['cg']:g}"]
+    assert not section.rms_load.flags.writeable
 
 
 def test_sections_at_a_jump_have_their_own_side():

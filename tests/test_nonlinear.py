@@ -624,9 +624,12 @@ def test_sections_are_extremes_between_their_ends() -> None:
     assert begins == [500.0 * i for i in range(7)]
     ends = [*begins[1:], response.distance[-1]]
     for begin, end in zip(begins, ends, strict=True):
-        alone = response.at([begin / response.speed, end / response.speed]).extremes()
-        np.testing.assert_allclose(sections[begin].max_load, alone.max_load, rtol=1e-12)
-        np.testing.assert_allclose(sections[begin].min_load, alone.min_load, rtol=1e-12)
+        span = response.at([begin / response.speed, end / response.speed])
+        found, alone = sections[begin], span.extremes()
+        np.testing.assert_allclose(found.max_load, alone.max_load, rtol=1e-12)
+        np.testing.assert_allclose(found.min_load, alone.min_load, rtol=1e-12)
+        np.testing.assert_allclose(found.rms_load, span.rms_load, rtol=1e-12)
+        assert found.rms_acceleration == pytest.approx(span.rms_acceleration, rel=1e-12)
     whole = response.extremes()
     highest = np.max([section.max_load for section in sections.values()], axis=0)
     np.testing.assert_allclose(highest, whole.max_load, rtol=1e-12)

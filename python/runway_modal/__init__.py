@@ -7,7 +7,7 @@ Any consistent unit system will do; the 1980 report's is lbf, in, s. Start at `s
 from ._core import InputError, NumericalError, __version__
 from .aircraft import Aircraft, Gear, equivalent_stiffness, f4e, single_dof
 from .ensemble import Ensemble, Estimate, simulate_many
-from .extremes import Extremes
+from .extremes import Extremes, Section
 from .modes import Modes
 from .monte_carlo import monte_carlo
 from .profile import Profile
@@ -31,6 +31,7 @@ __all__ = [
     "Profile",
     "Response",
     "Roughness",
+    "Section",
     "Sweep",
     "Units",
     "WorstSpeed",

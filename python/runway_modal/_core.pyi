@@ -116,7 +116,7 @@ class Run:
         self, stations: list[tuple[float, float]], times: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
     def root_mean_squares(
-        self, stations: list[tuple[float, float]], begin: float, end: float
+        self, stations: list[tuple[float, float]], times: NDArray[np.float64]
     ) -> NDArray[np.float64]: ...
 
 @final

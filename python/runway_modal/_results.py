@@ -8,6 +8,7 @@ import numpy as np
 
 from ._core import InputError
 from ._input import positive
+from .extremes import section
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from .extremes import Extremes
+    from .extremes import Extremes, Section
     from .units import Units
 
     Array: TypeAlias = NDArray[np.float64]
@@ -58,6 +59,7 @@ class Results(Protocol):
     _of_gears: ClassVar[tuple[str, ...]]
 
     def _between(self, times: Array) -> list[Extremes]: ...
+    def _root_mean_squares(self, times: Array) -> Array: ...
     @property
     def _rms(self) -> Array: ...
     @property
@@ -124,9 +126,9 @@ class Shown:
         values = self._rms[len(self.aircraft.gears) :].tolist()
         return dict(zip(self.aircraft.stations, values, strict=True))
 
-    def sections(self: Results, length: float) -> dict[float, Extremes]:
+    def sections(self: Results, length: float) -> dict[float, Section]:
         """
-        Find the true extremes section by section, to tell which places are the worst.
+        Find extremes and root mean squares section by section, to tell which places are the worst.
 
         A section ends where the foremost gear has come to a multiple of `length`. What a place
         does to gears further back, or later on, counts in the section in which it happens; each
@@ -139,7 +141,7 @@ class Shown:
 
         Returns
         -------
-        dict of float to Extremes
+        dict of float to Section
             By the distance at which a section begins, in order; together all of the response.
 
         Raises
@@ -171,7 +173,8 @@ class Shown:
         edges = edges[(edges > begin) & (edges < end)]
         # Rounding must not take them outside.
         within = np.clip(edges / self.speed, self.time[0], self.time[-1])
-        found = self._between(np.concatenate((self.time[:1], within, self.time[-1:])))
+        times = np.concatenate((self.time[:1], within, self.time[-1:]))
+        found = map(section, self._between(times), self._root_mean_squares(times))
         return dict(zip([begin, *edges.tolist()], found, strict=True))
 
     def plot(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
 
 from ._input import read_only
 from ._pickled import Pickled
@@ -13,7 +15,6 @@ from ._tracks import lag, lags
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    import numpy as np
     import pandas as pd
     from numpy.typing import NDArray
 
@@ -195,3 +196,68 @@ class Extremes(Pickled):
         return (
             f"{rows}\n{', '.join(pulling)} would pull on the runway: the linear model does not hold"
         )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Section(Extremes):
+    """
+    True extremes and root mean squares on a section of the runway.
+
+    Returned by `Response.sections`.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        The aircraft of the run.
+    speed : float
+        Ground speed [length/time].
+    max_load : ndarray, shape (g,)
+        Largest compression load of each gear [force].
+    time_of_max : ndarray, shape (g,)
+        When it occurs [time].
+    min_load : ndarray, shape (g,)
+        Smallest compression load of each gear; ≤ 0 where the gear unloads [force].
+    time_of_min : ndarray, shape (g,)
+        When it occurs [time].
+    max_acceleration : dict of str to float
+        Largest magnitude of vertical acceleration at each station [length/time²].
+    time_of_max_acceleration : dict of str to float
+        When it occurs [time].
+    rms_load : ndarray, shape (g,)
+        Root mean square of each gear's dynamic load, between samples too [force].
+    rms_acceleration : dict of str to float
+        Root mean square of vertical acceleration at each station [length/time²].
+
+    Examples
+    --------
+    >>> import runway_modal as rm
+    >>> response = rm.simulate(rm.f4e().modes(0.01), rm.Profile.full_mat(), rm.knots(20))
+    >>> for begin, section in response.sections(1000.0).items():
+    ...     rms = section.rms_acceleration["cg"] / response.aircraft.gravity
+    ...     print(f"from {begin:g} in: {rms:.3f} g RMS")
+    """
+
+    rms_load: NDArray[np.float64]
+    rms_acceleration: dict[str, float]
+
+    def __repr__(self) -> str:
+        """Make a table: that of the extremes, then one of the root mean squares."""
+        rms = table(
+            [
+                ("gear", "RMS"),
+                *zip(self.gear_names, self.rms_load, strict=True),
+                ("station", "RMS"),
+                *self.rms_acceleration.items(),
+            ]
+        )
+        return f"{Extremes.__repr__(self)}\n{rms}"
+
+
+def section(extremes: Extremes, rms: NDArray[np.float64]) -> Section:
+    """Add root mean squares, of the gears' loads and then of the stations' accelerations."""
+    gears, stations = np.split(rms, [len(extremes.gear_names)])
+    return Section(
+        **{each.name: getattr(extremes, each.name) for each in fields(extremes)},
+        rms_load=gears,
+        rms_acceleration=dict(zip(extremes.aircraft.stations, stations.tolist(), strict=True)),
+    )

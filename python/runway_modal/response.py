@@ -160,8 +160,11 @@ class Response(Shown):
 
     @cached_property
     def _rms(self) -> NDArray[np.float64]:
-        begin, end = float(self.time[0]), float(self.time[-1])
-        return self._run.root_mean_squares(self._stations(), begin, end)
+        return self._root_mean_squares(np.array((self.time[0], self.time[-1]))).ravel()
+
+    def _root_mean_squares(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of loads, then of accelerations, between each time and the next, a row each."""
+        return self._run.root_mean_squares(self._stations(), times)
 
     def at(self, times: ArrayLike) -> Response:
         """

@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from runway_modal import nonlinear
-    from runway_modal.extremes import Extremes
+    from runway_modal.extremes import Extremes, Section
     from runway_modal.response import Response
 
     #: One run by the text of its speed.
     Runs: TypeAlias = Mapping[str, Response | nonlinear.Response]
-    #: Extremes of the sections of each, if they are wanted.
-    Sections: TypeAlias = Mapping[str, Mapping[float, Extremes]]
+    #: The sections of each, if they are wanted.
+    Sections: TypeAlias = Mapping[str, Mapping[float, Section]]
 
 
 #: Sections that are listed.
@@ -116,7 +116,7 @@ def _of_speed(case: Case, name: str, response: Response | nonlinear.Response) ->
         yield from unloading([name for name, lost in zip(gears, unloaded, strict=True) if lost])
 
 
-def _worst_sections(case: Case, sections: Mapping[float, Extremes], length: float) -> Iterator[str]:
+def _worst_sections(case: Case, sections: Mapping[float, Section], length: float) -> Iterator[str]:
     """Tabulate the sections with the largest loads, in shares of the static ones, and how rough."""
     static, unit = case.aircraft.static_load, case.units.length
     gears, stations = case.aircraft.gear_names, case.aircraft.stations
@@ -129,15 +129,16 @@ def _worst_sections(case: Case, sections: Mapping[float, Extremes], length: floa
     what = "÷ static" if static.all() else f"[{case.units.force}]"
     yield (
         f"  Worst {len(worst)} of {len(sections)} sections of {length:.6g} {unit}: "
-        f"largest load {what}, largest vertical acceleration [g]"
+        f"largest load {what}, largest vertical acceleration and its RMS [g]"
     )
-    heads = [f"from [{unit}]", *gears, *stations]
+    heads = [f"from [{unit}]", *gears, *(head for name in stations for head in (name, "RMS"))]
     widths = [max(10, len(head) + 2) for head in heads]
     yield "  " + "".join(map(str.rjust, heads, widths))
     for begin in worst:
-        rough = sections[begin].max_acceleration.values()
+        found = sections[begin]
+        rough = zip(found.max_acceleration.values(), found.rms_acceleration.values(), strict=True)
         shares = [f"{load:.3f}" for load in loads(begin)]
-        shaken = [f"{value / case.units.standard_gravity:.4f}" for value in rough]
+        shaken = [f"{value / case.units.standard_gravity:.4f}" for pair in rough for value in pair]
         yield "  " + "".join(map(str.rjust, [f"{begin:.2f}", *shares, *shaken], widths))
 
 
@@ -145,7 +146,7 @@ def _results(
     case: Case,
     name: str,
     response: Response | nonlinear.Response,
-    sections: Mapping[float, Extremes] | None,
+    sections: Mapping[float, Section] | None,
 ) -> dict[str, Any]:
     history = tables.columns(tables_response.quantities(response))
     results: dict[str, Any] = {
@@ -154,21 +155,27 @@ def _results(
         "static_load": by_name(response.gear_names, response.static_load),
         **_extremes(response.extremes()),
         "unloaded": by_name(response.gear_names, response.unloaded),
-        "rms_load": by_name(response.gear_names, response.rms_load),
-        "rms_acceleration": response.rms_acceleration,
+        **_rms(response),
         "history": {name: values.tolist() for name, values in history.items()},
     }
     if sections is not None:
         results["sections"] = [
-            {"begin": begin, **_extremes(found)} for begin, found in sections.items()
+            {"begin": begin, **_extremes(found), **_rms(found)} for begin, found in sections.items()
         ]
     return results
 
 
 def _extremes(extremes: Extremes) -> dict[str, Any]:
-    names = extremes.aircraft.gear_names
+    names = extremes.gear_names
     gears = {key: by_name(names, getattr(extremes, key)) for key in EXTREMES_OF_GEARS}
     return gears | {key: getattr(extremes, key) for key in EXTREMES_OF_STATIONS}
+
+
+def _rms(of: Response | nonlinear.Response | Section) -> dict[str, Any]:
+    return {
+        "rms_load": by_name(of.gear_names, of.rms_load),
+        "rms_acceleration": of.rms_acceleration,
+    }
 
 
 def _figure(case: Case, runs: Runs) -> Figure:

@@ -299,10 +299,18 @@ class Response(Shown):
 
     @cached_property
     def _rms(self) -> Array:
-        begin, end = float(self.time[0]), float(self.time[-1])
+        return self._root_mean_squares(np.array((self.time[0], self.time[-1]))).ravel()
+
+    def _root_mean_squares(self, times: Array) -> Array:
+        """Of loads, then of accelerations, between each time and the next, a row each."""
+        return read_only(np.array([self._rms_of(*span) for span in pairwise(times.tolist())]))
+
+    def _rms_of(self, begin: float, end: float) -> Array:
         if begin == end:
-            now = [*(self.load[0] - self.static_load), *(a[0] for a in self.acceleration.values())]
-            return read_only(np.abs(now))
+            now = self.at(begin)
+            return np.abs(
+                [*(now.load[0] - self.static_load), *(a[0] for a in now.acceleration.values())]
+            )
         total = np.zeros(len(self.aircraft.gears) + len(self.aircraft.stations))
         for piece in self._pieces:
             if piece.begin < end and piece.end > begin:
@@ -310,7 +318,7 @@ class Response(Shown):
                 load, acceleration = self._loads_and_accelerations(piece, times)
                 dynamic = load - self.static_load[:, None]
                 total += np.concatenate((dynamic, acceleration)) ** 2 @ weights
-        return read_only(np.sqrt(total / (end - begin)))
+        return np.asarray(np.sqrt(total / (end - begin)))
 
     @cached_property
     def _extremes(self) -> Extremes:

@@ -246,7 +246,12 @@ def test_files_hold_the_response(case: Path, capsys: pytest.CaptureFixture[str])
     np.testing.assert_allclose(last["load_left"], response.load[:, 1], rtol=1e-12)
     table = pd.read_csv(paths["csv"])
     np.testing.assert_allclose(table["load_left [lbf]"], frame["load_left"], rtol=1e-15)
-    runs = json.loads(Path(paths["json"]).read_text())["runs"]
+    document = json.loads(Path(paths["json"]).read_text())
+    assert document["runway_modal"] == rm.__version__
+    left = document["aircraft"]["gears"][1]
+    assert (left["name"], left["stiffness"]) == ("left", rm.f4e().gears[1].stiffness)
+    assert document["aircraft"]["pitch_inertia"] == rm.f4e().pitch_inertia
+    runs = document["runs"]
     assert [run["stated_speed"] for run in runs] == ["10 kt", "20 kt"]
     assert runs[1]["max_load"]["left"] == pytest.approx(43685.9, abs=0.05)
     assert runs[1]["rms_load"]["left"] == pytest.approx(response.rms_load[1])

@@ -149,11 +149,13 @@ def test_a_tolerance_that_is_not_reached(case: Path, capsys: pytest.CaptureFixtu
     assert main(["sweep", str(case), *files]) == 2
     captured = capsys.readouterr()
     assert "case.toml:15: sweep: tolerance = 1e-8 takes more runs than" in captured.err
+    assert captured.err.endswith("(nose: largest load)\n")
     # All that could be found is there.
     assert "17 speeds" in captured.out
     assert len(pd.read_csv(case.with_name("a.csv"))) == 17
-    # A document that is there holds what was asked for.
-    assert not case.with_name("a.json").exists()
+    document = json.loads(case.with_name("a.json").read_text("utf-8"))
+    assert len(document["speed"]) == 17
+    assert document["proven"] == {}
 
 
 def test_files_hold_every_speed(case: Path) -> None:
@@ -194,8 +196,33 @@ def test_results_for_other_programs(
         return
     limits = rm.knots(20), rm.knots(60)
     worst = rm.worst_speed(modes, mat, limits, "min_load", at="left", tolerance=1000.0)
-    assert document["proven"]["left"]["min_load"] == pytest.approx(dataclasses.asdict(worst))
-    assert set(document["proven"]) == set(found.gear_names)
+    assert document["proven"]["min_load"]["left"] == pytest.approx(dataclasses.asdict(worst))
+    assert set(document["proven"]) == {"max_load", "min_load"}
+    assert set(document["proven"]["max_load"]) == set(found.gear_names)
+    assert (document["tolerance"], document["acceleration_tolerance"]) == (1000.0, None)
+
+
+def test_accelerations_are_proven_too(case: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = CASE.replace('tolerance = "1 kip"', 'acceleration_tolerance = "0.05 g"')
+    stations = "damping_ratio = 0.01\n[aircraft.stations]\npilot = [200, 0]"
+    case.write_text(text.replace("damping_ratio = 0.01", stations), "utf-8")
+    to = case.with_suffix(".json")
+    assert main(["sweep", str(case), "--json", str(to)]) == 0
+    printed = capsys.readouterr().out
+    assert "Largest and smallest load at any speed" not in printed
+    aircraft = dataclasses.replace(rm.f4e(), stations={"pilot": (200.0, 0.0)})
+    modes, mat, g = aircraft.modes(0.01), rm.Profile.full_mat(), 386.0885827
+    limits = rm.knots(20), rm.knots(60)
+    proven = json.loads(to.read_text("utf-8"))["proven"]["max_acceleration"]
+    rows = printed.split("Largest vertical acceleration at any speed of the range, proven")[1]
+    for at in ("cg", "pilot"):
+        worst = rm.worst_speed(modes, mat, limits, "max_acceleration", at=at, tolerance=0.05 * g)
+        assert proven[at] == pytest.approx(dataclasses.asdict(worst))
+        (row,) = re.findall(rf"\n  {at} +(.+)", rows)
+        value, knots, bound, runs = (float(text) for text in row.split())
+        assert value == pytest.approx(worst.value / g, abs=5.1e-5)
+        assert 0.0 <= bound - worst.bound / g < 1.01e-4
+        assert (knots, runs) == (pytest.approx(worst.speed / rm.knots(1), abs=5e-5), worst.runs)
 
 
 def test_standard_output_is_the_table_alone(case: Path, capsys: pytest.CaptureFixture[str]) -> None:

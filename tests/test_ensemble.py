@@ -307,7 +307,7 @@ def test_merge():
     with pytest.raises(rm.InputError, match=r"spacing is 10.0 here and 11.0 there"):
         first.merge(rm.simulate_many(MODES, elevations[11:], 11.0, 500.0, first_run=11))
     other = rm.f4e().modes(0.02)
-    with pytest.raises(rm.InputError, match="damping_ratio is"):
+    with pytest.raises(rm.InputError, match=r"damping_ratio\[0\] is"):
         second.merge(rm.simulate_many(other, elevations[:11], 10.0, 500.0))
 
 

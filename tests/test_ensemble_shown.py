@@ -254,6 +254,8 @@ def test_progress_is_told_and_changes_no_bit() -> None:
     for key in ("max_acceleration", "rms_acceleration"):
         np.testing.assert_array_equal(getattr(told, key)["cg"], getattr(silent, key)["cg"])
     assert told.setup == silent.setup
+    with pytest.raises(rm.InputError, match="progress = True cannot be called"):
+        rm.monte_carlo(modes, surface, runs=9000, progress=True, **runway)
 
 
 def test_estimates_name_their_rows_and_columns() -> None:

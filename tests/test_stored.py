@@ -116,7 +116,7 @@ def test_runs_from_disk_merge_with_their_like_alone(tmp_path, modes, surface):
     )
     given = (rm.f4e(), modes.omega, modes.damping_ratio, modes.shapes)
     for other, named in (
-        (measured, "gears"),
+        (measured, r"gears\[1\]\.stiffness is \d+\.\d+ here and 9500\.0 there"),
         (rm.f4e().modes(0.02), "damping_ratio"),
         (rm.Modes(*given, static_correction=True), "static_correction"),
     ):

@@ -12,7 +12,8 @@ import numpy as np
 from . import _core
 from ._core import InputError, NumericalError
 from ._input import flag, integer, one_or_each, refuse
-from .ensemble import assembled, describe, masks
+from ._setups import describe
+from .ensemble import assembled, masks
 from .roughness import Roughness, lateral_positions, run_numbers
 
 if TYPE_CHECKING:
@@ -162,15 +163,24 @@ def chunks(modes: Modes, roughness: Roughness, options: Options, size: int) -> I
 
 def told(
     parts: Iterable[Chunk], runs: int, progress: Callable[[int, int], object] | None
-) -> Iterator[Chunk]:
+) -> Iterable[Chunk]:
     """Pass on the chunks of so many runs, telling `progress` of each that is done with."""
-    tell = progress or (lambda *_: None)
+    if progress is None:
+        return parts
+    if not callable(progress):
+        raise InputError(f"progress = {progress!r} cannot be called")
+    return _telling(parts, runs, progress)
+
+
+def _telling(
+    parts: Iterable[Chunk], runs: int, progress: Callable[[int, int], object]
+) -> Iterator[Chunk]:
     done = 0
-    tell(done, runs)
+    progress(done, runs)
     for part in parts:
         yield part
         done += part.options["runs"]
-        tell(done, runs)
+        progress(done, runs)
 
 
 def joined(parts: Iterable[Ensemble]) -> Ensemble:

@@ -84,7 +84,7 @@ def monte_carlo(
     if not isinstance(client, Client):
         raise InputError(f"client = {client!r} is not a distributed.Client")
     parts = list(chunks(modes, roughness, options, chunk))
+    counted = told(parts, int(options["runs"]), progress)
     # Not pure: results that another call left in the cluster are not reused.
     futures = client.map(Chunk.compute, parts, pure=False)
-    waited = zip(told(parts, int(options["runs"]), progress), futures, strict=True)
-    return joined(future.result() for _, future in waited)
+    return joined(future.result() for _, future in zip(counted, futures, strict=True))

@@ -28,6 +28,7 @@ from ._input import (
 from ._intervals import ranks, shares, student
 from ._pickled import Pickled
 from ._quantities import DIMENSIONS, DOWNWARD, column_of, names_of
+from ._setups import describe, difference
 from ._text import table
 from .modes import Modes, check_modes
 
@@ -222,10 +223,9 @@ class Ensemble(Pickled):
         """
         if not isinstance(other, Ensemble):
             raise InputError(f"other = {other!r} is not an Ensemble")
-        for key in sorted({*self.setup, *other.setup}):
-            mine, theirs = self.setup.get(key), other.setup.get(key)
-            if mine != theirs:
-                raise InputError(f"merge: {key} is {mine} here and {theirs} there")
+        differ = difference(dict(self.setup), dict(other.setup))
+        if differ:
+            raise InputError("merge: {} is {!r} here and {!r} there".format(*differ))
         run = np.concatenate((self.run, other.run))
         order = np.argsort(run, kind="stable")
         twice = np.flatnonzero(np.diff(run[order]) == 0)
@@ -812,21 +812,6 @@ def _check_modes(each: list[Modes], *, one: bool, runs: int) -> None:
             first, other = (tuple(getattr(m.aircraft, kind)) for m in (each[0], modes))
             if first != other:
                 raise InputError(f"modes[{i}]: {kind} {other} differ from {first} of modes[0]")
-
-
-def describe(modes: Modes) -> dict[str, Any]:
-    """List what determines the results of an aircraft and its modes, in plain numbers for JSON."""
-    aircraft = modes.aircraft
-    gears = [[gear.name, gear.x, gear.y, gear.stiffness, gear.damping] for gear in aircraft.gears]
-    return {
-        "gears": gears,
-        "stations": [[name, *point] for name, point in aircraft.stations.items()],
-        "static_load": aircraft.static_load.tolist(),
-        "omega": modes.omega.tolist(),
-        "damping_ratio": modes.damping_ratio.tolist(),
-        "shapes": modes.shapes.tolist(),
-        "static_correction": modes.static_correction,
-    }
 
 
 def _tail(confidence: float) -> float:

@@ -235,6 +235,10 @@ class Section(Extremes):
     >>> for begin, section in response.sections(1000.0).items():
     ...     rms = section.rms_acceleration["cg"] / response.aircraft.gravity
     ...     print(f"from {begin:g} in: {rms:.3f} g RMS")
+    from 0 in: 0.257 g RMS
+    from 1000 in: 0.441 g RMS
+    from 2000 in: 0.361 g RMS
+    from 3000 in: 0.307 g RMS
     """
 
     rms_load: NDArray[np.float64]

@@ -15,6 +15,7 @@ from ._core import InputError, __version__
 from ._extras import need
 from ._input import integer, read_only
 from ._quantities import DIMENSIONS
+from ._setups import difference
 from .ensemble import Ensemble, masks
 from .units import FORCE
 
@@ -179,13 +180,12 @@ def _agree(file: Path, about: dict[str, Any]) -> None:
         text = json.dumps({**about, _CHECKSUM: _checksum(about)}, indent=1)
         _replace(file, lambda path: path.write_text(text, encoding="utf-8"))
         return
-    there, here = (_flat(each) for each in (_about(file), about))
-    for key in here | there:
-        if there.get(key) != here.get(key):
-            raise InputError(
-                f"{file} holds another set-up: {key} = {_brief(there.get(key))} there, "
-                f"{_brief(here.get(key))} here"
-            )
+    differ = difference(_flat(_about(file)), _flat(about))
+    if differ:
+        key, there, here = differ
+        raise InputError(
+            f"{file} holds another set-up: {key} = {_brief(there)} there, {_brief(here)} here"
+        )
 
 
 def _about(file: Path) -> dict[str, Any]:
@@ -281,7 +281,7 @@ def _frame(file: Path, common: dict[str, Any]) -> pd.DataFrame:
     """Read a file as it was written."""
     from pyarrow.parquet import read_table
 
-    of_gears = [f"{key}_{gear}" for key in _OF_GEARS for gear, *_ in common["gears"]]
+    of_gears = [f"{key}_{gear['name']}" for key in _OF_GEARS for gear in common["gears"]]
     of_stations = [f"{key}_{name}" for key in _OF_STATIONS for name, *_ in common["stations"]]
     try:
         frame: pd.DataFrame = read_table(file, page_checksum_verification=True).to_pandas()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from runway_modal.units import FORCE, SPEED
+from runway_modal.units import ACCELERATION, FORCE, SPEED
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,6 +32,8 @@ class SpeedRange:
     step: float
     #: How much worse a load at another speed may be than the worst one told, if that is asked.
     tolerance: float | None
+    #: The same for accelerations.
+    acceleration_tolerance: float | None
     #: The table that error messages point to.
     place: Table
 
@@ -47,8 +49,7 @@ class SpeedRange:
 
 def read_speed_range(table: Table, units: Units) -> SpeedRange:
     """Read [sweep]."""
-    table.only("from", "to", "step", "tolerance")
-
+    table.only("from", "to", "step", "tolerance", "acceleration_tolerance")
     low, high, step = (table.positive(key, SPEED, units) for key in ("from", "to", "step"))
     if high < low:
         why = f"is less than from = {table.get('from')!r}"
@@ -56,5 +57,11 @@ def read_speed_range(table: Table, units: Units) -> SpeedRange:
     if (high - low) / step > _MOST:
         why = f"makes more than {_MOST:,} speeds"
         raise table.fault(f"step = {table.get('step')!r} {why}", "step")
-    tolerance = table.positive("tolerance", FORCE, units, None)
-    return SpeedRange(low=low, high=high, step=step, tolerance=tolerance, place=table)
+    return SpeedRange(
+        low=low,
+        high=high,
+        step=step,
+        tolerance=table.positive("tolerance", FORCE, units, None),
+        acceleration_tolerance=table.positive("acceleration_tolerance", ACCELERATION, units, None),
+        place=table,
+    )

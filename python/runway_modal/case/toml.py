@@ -6,7 +6,7 @@ import codecs
 import difflib
 import re
 import tomllib
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -86,8 +86,10 @@ class Table:
         value, shown = self.values.get(key), re.match(r"\w+ = (\S+)", said)
         if not shown or not isinstance(value, str | int | float) or f"= {value!r}" in said:
             return ""
-        same = not isinstance(value, str) and shown[1] == repr(float(value))
-        return "" if same else f"; the file says {key} = {value!r}"
+        with suppress(ValueError):
+            if not isinstance(value, str) and float(shown[1]) == value:
+                return ""
+        return f"; the file says {key} = {value!r}"
 
     def only(self, *allowed: str) -> None:
         """Refuse unknown keys."""

@@ -6,6 +6,9 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
+from runway_modal._core import __version__
+from runway_modal._setups import describe_body
+
 from .output import opened
 
 if TYPE_CHECKING:
@@ -14,6 +17,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from runway_modal.case import Case
+
+#: What a body's motion depends on, besides its gears.
+_BODY = ("mass", "pitch_inertia", "roll_inertia", "gravity")
 
 
 def json_writer(
@@ -34,9 +40,14 @@ def _of_case(case: Case) -> dict[str, Any]:
     return {
         "title": case.title,
         "units": {"length": case.units.length, "force": case.units.force, "time": "s"},
+        "runway_modal": __version__,
         "nonlinear": case.reference is not None,
         "damping_input": case.damping_input,
         "inferred": case.notes,
+        "aircraft": {
+            **{key: getattr(case.modes.aircraft, key) for key in _BODY},
+            **describe_body(case.modes.aircraft),
+        },
         "modes": {
             "omega": case.modes.omega.tolist(),
             "damping_ratio": case.modes.damping_ratio.tolist(),

@@ -188,6 +188,35 @@ def test_runs_on_one_axes_are_all_in_sight() -> None:
     assert high - low < 1.5 * np.ptp(alone.get_ylim())
 
 
+def test_a_track_under_each_of_many_gears_has_its_own_dashes() -> None:
+    gears = [rm.Gear(str(i), 60.0 - 30.0 * i, 0.0, 8000.0) for i in range(5)]
+    gears += [rm.Gear(side, -5.0, y, 8000.0) for side, y in (("left", 90.0), ("right", -90.0))]
+    aircraft = rm.Aircraft(mass=1e3, pitch_inertia=2e7, roll_inertia=2e7, gears=gears)
+    names = aircraft.gear_names
+    tracks = {name: rm.Profile.mat(100.0 + 50.0 * i) for i, name in enumerate(names)}
+    run = rm.simulate(aircraft.modes(0.01), tracks, 400.0)
+    ground = loads_over_profile({"run": run}, {name: name for name in names}).axes[-1]
+    # As drawn: matplotlib calls all dashes of one's own "--".
+    assert len({str(line._dash_pattern) for line in ground.get_lines()}) == len(names)
+    assert len({str(key._dash_pattern) for key in ground.get_legend().get_lines()}) == len(names)
+
+
+def test_labels_tell_runs_apart() -> None:
+    axes = Figure().subplots()
+    sweep = rm.sweep(rm.f4e().modes(0.01), rm.Profile.full_mat(), [300.0, 400.0])
+    RESPONSE.plot(["left"], label="Table 3", ax=axes)
+    sweep.plot(["nose"], label="sweep", ax=axes)
+    named = axes.get_legend_handles_labels()[1]
+    assert [name for name in named if name != "static"] == ["Table 3: left", "sweep: nose"]
+    axes = Figure().subplots()
+    RESPONSE.plot_acceleration(["cg"], label="a", ax=axes)
+    sweep.plot_acceleration(["cg"], label="b", ax=axes)
+    assert axes.get_legend_handles_labels()[1] == ["a: cg", "±0.4 g", "b: cg"]
+    for plot in (RESPONSE.plot, RESPONSE.plot_acceleration, sweep.plot, sweep.plot_acceleration):
+        with pytest.raises(rm.InputError, match="label = 3 is not text"):
+            plot(label=3)
+
+
 def test_the_legend_of_elevations_stays_inside() -> None:
     names = [f"{side} {where} gear" for where in ("wing", "body") for side in ("left", "right")]
     gears = [rm.Gear("nose gear", 234.9, 0.0, 1502.0)]

@@ -89,6 +89,13 @@ def shown(argument: str, names: Sequence[str] | None, there: Sequence[str], kind
     return wanted
 
 
+def prefix(label: str) -> str:
+    """Begin the names of a run's lines in a legend."""
+    if not isinstance(label, str):
+        raise InputError(f"label = {label!r} is not text")
+    return f"{label}: " if label else ""
+
+
 def lines_there(ax: Axes) -> int:
     """Count the lines that the legend names, but for those that mark a level."""
     there = ax.get_legend_handles_labels()[1]

@@ -182,6 +182,7 @@ class Shown:
         gears: Sequence[str] | None = None,
         *,
         against: Against = "time",
+        label: str = "",
         ax: Axes | None = None,
         units: Units | None = None,
     ) -> Axes:
@@ -194,6 +195,8 @@ class Shown:
             Gears to draw. Default: all.
         against : {"time", "distance"}
             Abscissa; distance is that of the foremost gear past station 0.
+        label : str
+            What to put before the names in the legend, to tell runs on the same axes apart.
         ax : matplotlib.axes.Axes, optional
             Axes to draw on. Default: those of a new figure.
         units : Units, optional
@@ -207,8 +210,8 @@ class Shown:
         Raises
         ------
         InputError
-            If a gear is unknown, `gears` is empty or a single name, `against` is neither, or
-            `units` is not a `Units`.
+            If a gear is unknown, `gears` is empty or a single name, `against` is neither,
+            `label` is not text, or `units` is not a `Units`.
         ImportError
             If matplotlib is not installed.
 
@@ -223,13 +226,14 @@ class Shown:
         """
         from .plotting import plot_loads
 
-        return plot_loads(self, gears, against, ax, units)
+        return plot_loads(self, gears, against, label, ax, units)
 
     def plot_acceleration(
         self: Results,
         stations: Sequence[str] | None = None,
         *,
         against: Against = "time",
+        label: str = "",
         ax: Axes | None = None,
         units: Units | None = None,
     ) -> Axes:
@@ -246,6 +250,8 @@ class Shown:
             Stations of `Aircraft.stations` to draw. Default: all.
         against : {"time", "distance"}
             Abscissa; distance is that of the foremost gear past station 0.
+        label : str
+            What to put before the names in the legend, to tell runs on the same axes apart.
         ax : matplotlib.axes.Axes, optional
             Axes to draw on. Default: those of a new figure.
         units : Units, optional
@@ -260,7 +266,8 @@ class Shown:
         ------
         InputError
             If a station is unknown, `stations` is empty or a single name, `against` is neither,
-            `units` is not a `Units`, or there are none and the aircraft's gravity is 0.
+            `label` is not text, `units` is not a `Units`, or there are none and the aircraft's
+            gravity is 0.
         ImportError
             If matplotlib is not installed.
 
@@ -274,7 +281,7 @@ class Shown:
         """
         from .plotting import plot_accelerations
 
-        return plot_accelerations(self, stations, against, ax, units)
+        return plot_accelerations(self, stations, against, label, ax, units)
 
     def to_pandas(self: Results, units: Units | None = None) -> pd.DataFrame:
         """

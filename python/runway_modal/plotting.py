@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from textwrap import fill
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from ._axes import (
     mark_static,
     marker,
     new_axes,
+    prefix,
     require,
     shown,
     with_unit,
@@ -41,7 +42,15 @@ if TYPE_CHECKING:
     from .profile import Profile
     from .units import Units
 
+    _Dashes: TypeAlias = str | tuple[float, tuple[float, ...]]
+
 __all__ = ["loads_over_profile"]
+
+#: Of elevations, all in the colour of their run.
+_GROUND_DASHES: tuple[_Dashes, ...] = (
+    *("-", "--", ":", "-."),
+    *((0, pattern) for pattern in ((9, 3), (6, 2, 1, 2, 1, 2), (1, 4), (9, 2, 3, 2))),
+)
 
 
 def loads_over_profile(
@@ -132,15 +141,17 @@ def plot_loads(
     response: Results,
     gears: Sequence[str] | None,
     against: Against,
+    label: str,
     ax: Axes | None,
     units: Units | None,
 ) -> Axes:
     """Draw what `Response.plot` documents."""
     abscissa = _abscissa(against, units)
     names = shown("gears", gears, response.gear_names, "gear")
-    columns = _columns(response, {gear: gear for gear in names})
+    run = prefix(label)
+    columns = _columns(response, {gear: f"{run}{gear}" for gear in names})
     ax = ax or new_axes()
-    _draw_loads(ax, [(gear, response, column) for gear, column in columns], units, against)
+    _draw_loads(ax, [(name, response, column) for name, column in columns], units, against)
     ax.set_xlabel(abscissa)
     return ax
 
@@ -149,14 +160,17 @@ def plot_accelerations(
     response: Results,
     stations: Sequence[str] | None,
     against: Against,
+    label: str,
     ax: Axes | None,
     units: Units | None,
 ) -> Axes:
     """Draw what `Response.plot_acceleration` documents."""
     abscissa = _abscissa(against, units)
     wanted = shown("stations", stations, tuple(response.acceleration), "station")
+    run = prefix(label)
     ax = ax or new_axes()
-    _draw_accelerations(ax, [(station, response, station) for station in wanted], units, against)
+    lines = [(f"{run}{station}", response, station) for station in wanted]
+    _draw_accelerations(ax, lines, units, against)
     ax.set_xlabel(abscissa)
     return ax
 
@@ -232,7 +246,7 @@ def _draw_elevations(
         if not any(_same_ground(there, run, columns, against) for there in grounds.values()):
             grounds[name] = run
     drawn: list[NDArray[np.float64]] = []
-    keys: dict[tuple[str, str], None] = {}
+    keys: dict[tuple[str, _Dashes], None] = {}
     for run_name, response in grounds.items():
         # The colour of its loads; black where the runs share the ground.
         place = list(responses).index(run_name)
@@ -244,7 +258,7 @@ def _draw_elevations(
         for i, (elevation, labels) in enumerate(lines.values()):
             # Within the label a word is not capitalised; a name of one letter stays as it is.
             words = (each[0].lower() + each[1:] if each[1:2].islower() else each for each in labels)
-            dashes = ("-", "--", ":", "-.")[i % 4]
+            dashes = _GROUND_DASHES[i % len(_GROUND_DASHES)]
             at = getattr(response, against)
             ax.plot(at, elevation, color=color, marker=marker(at), ls=dashes, lw=1.1)
             keys[f"under the {', '.join(words)}", dashes] = None

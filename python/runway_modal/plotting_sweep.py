@@ -18,6 +18,7 @@ from ._axes import (
     name_static,
     nested_width,
     new_axes,
+    prefix,
     require,
     shown,
     with_unit,
@@ -85,11 +86,11 @@ def loads_and_accelerations(sweep: Sweep, title: str = "", *, units: Units | Non
 
 
 def plot_loads(
-    sweep: Sweep, gears: Sequence[str] | None, ax: Axes | None, units: Units | None
+    sweep: Sweep, gears: Sequence[str] | None, label: str, ax: Axes | None, units: Units | None
 ) -> Axes:
     """Draw what `Sweep.plot` documents."""
     names = sweep.gear_names
-    wanted = shown("gears", gears, names, "gear")
+    wanted, run = shown("gears", gears, names, "gear"), prefix(label)
     ax = ax or new_axes()
     scale, unit = load_unit(units)
     order = np.argsort(sweep.speed)
@@ -100,8 +101,8 @@ def plot_loads(
         color, dashes = line_style(first + i)
         width = nested_width(i, len(wanted))
         low, high = sweep.min_load[order, column] / scale, sweep.max_load[order, column] / scale
-        for load, label in ((high, gear), (low, "")):
-            ax.plot(speed, load, color, ls=dashes, lw=width, marker=marker(speed), label=label)
+        for load, name in ((high, f"{run}{gear}"), (low, "")):
+            ax.plot(speed, load, color, ls=dashes, lw=width, marker=marker(speed), label=name)
         ax.fill_between(speed, low, high, color=color, alpha=0.12, lw=0)
         mark_static(ax, sweep.static_load[column] / scale, color)
     name_static(ax)
@@ -112,10 +113,11 @@ def plot_loads(
 
 
 def plot_accelerations(
-    sweep: Sweep, stations: Sequence[str] | None, ax: Axes | None, units: Units | None
+    sweep: Sweep, stations: Sequence[str] | None, label: str, ax: Axes | None, units: Units | None
 ) -> Axes:
     """Draw what `Sweep.plot_acceleration` documents."""
     wanted = shown("stations", stations, tuple(sweep.max_acceleration), "station")
+    run = prefix(label)
     gravity = in_g("sweep", sweep.aircraft, units)
     ax = ax or new_axes()
     order = np.argsort(sweep.speed)
@@ -123,7 +125,8 @@ def plot_accelerations(
     for i, station in enumerate(wanted, lines_there(ax)):
         share = sweep.max_acceleration[station][order] / gravity
         color, dashes = line_style(i)
-        ax.plot(speed, share, color, ls=dashes, lw=1.3, marker=marker(speed), label=station)
+        name, dot = f"{run}{station}", marker(speed)
+        ax.plot(speed, share, color, ls=dashes, lw=1.3, marker=dot, label=name)
     mark_limits(ax, 1.0)
     ax.set_ylabel("largest |vertical acceleration| [g]")
     legend_above(ax)

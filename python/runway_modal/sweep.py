@@ -116,6 +116,7 @@ class Sweep(Pickled):
         self,
         gears: Sequence[str] | None = None,
         *,
+        label: str = "",
         ax: Axes | None = None,
         units: Units | None = None,
     ) -> Axes:
@@ -126,6 +127,8 @@ class Sweep(Pickled):
         ----------
         gears : sequence of str, optional
             Gears to draw. Default: all.
+        label : str
+            What to put before the names in the legend, to tell runs on the same axes apart.
         ax : matplotlib.axes.Axes, optional
             Axes to draw on. Default: those of a new figure.
         units : Units, optional
@@ -140,8 +143,8 @@ class Sweep(Pickled):
         Raises
         ------
         InputError
-            If a gear is unknown, `gears` is empty or a single name, or `units` is not
-            a `Units`.
+            If a gear is unknown, `gears` is empty or a single name, `label` is not text, or
+            `units` is not a `Units`.
         ImportError
             If matplotlib is not installed.
 
@@ -156,12 +159,13 @@ class Sweep(Pickled):
         """
         from .plotting_sweep import plot_loads
 
-        return plot_loads(self, gears, ax, units)
+        return plot_loads(self, gears, label, ax, units)
 
     def plot_acceleration(
         self,
         stations: Sequence[str] | None = None,
         *,
+        label: str = "",
         ax: Axes | None = None,
         units: Units | None = None,
     ) -> Axes:
@@ -176,6 +180,8 @@ class Sweep(Pickled):
         ----------
         stations : sequence of str, optional
             Stations of `Aircraft.stations` to draw. Default: all.
+        label : str
+            What to put before the names in the legend, to tell runs on the same axes apart.
         ax : matplotlib.axes.Axes, optional
             Axes to draw on. Default: those of a new figure.
         units : Units, optional
@@ -204,7 +210,7 @@ class Sweep(Pickled):
         """
         from .plotting_sweep import plot_accelerations
 
-        return plot_accelerations(self, stations, ax, units)
+        return plot_accelerations(self, stations, label, ax, units)
 
     def to_pandas(self, units: Units | None = None) -> pd.DataFrame:
         """
